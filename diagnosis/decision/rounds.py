@@ -46,6 +46,7 @@ from stillarm.diagnosis.sensors.laws import LawFound, laws
 MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a look at every form
 _WHOLE = 3  # causes of the drive that are fitted to all channels
 _OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
+_OF_JOINT = ("start.", "drive.")  # quantities that the joint alone shows
 _OF_A_SWING = 0.25  # by which a delay is off, for another swing to fit nearly as well
 
 
@@ -287,8 +288,10 @@ def _joint_alone(last: Fit, split: Split) -> Fit:
 
 
 def _of_the_whole(one: Candidate, last: Fit, split: Split) -> Candidate:
-    """A form of the drive, fitted to the joint alone, fitted to all channels."""
-    values = {name: one.fit.value(name) for name in one.fit.free if name in last.world.space.place}
+    """A form of the drive, fitted to the joint alone, fitted to all channels. The arm's modes and the sensors at the tip
+    begin as they were: the joint alone says nothing of them."""
+    told = [name for name in one.fit.free if name.startswith(_OF_JOINT) or name in one.free]
+    values = {name: one.fit.value(name) for name in told if name in last.world.space.place}
     if one.begins is not None:
         values[one.begins] = one.fit.value(one.begins)
     world = last.world

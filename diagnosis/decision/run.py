@@ -12,7 +12,7 @@ from stillarm.diagnosis.decision.budget import Budget, affordable
 from stillarm.diagnosis.decision.decide import Judged, judge
 from stillarm.diagnosis.decision.explain import explain
 from stillarm.diagnosis.events.impact_onsets import with_impacts_at_onsets
-from stillarm.diagnosis.events.pulls import without_pulls, without_pushes
+from stillarm.diagnosis.events.pulls import without_pushes
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.physics.computing import OutOfTime
@@ -103,7 +103,7 @@ def _baseline_within(
             world = moved_as_measured(world, split)
             baseline = fitted_baseline(world, split, reached.append)
             reached.append(baseline)
-            baseline = with_impacts_at_onsets(without_pulls(baseline, split), split)
+            baseline = with_impacts_at_onsets(baseline, split)
             reached.append(baseline)
             baseline = without_pushes(baseline, split)
     except OutOfTime:

@@ -53,15 +53,14 @@ def with_impacts_sought(
     world: World,
     split: Split,
     start: Array | None = None,
-    steady: Fit | None = None,
     extra: tuple[str, ...] = (),
+    hopeless: Callable[[Fit], bool] = lambda one: False,
 ) -> Fit:
-    """The first half of it: a segment wherever an impact seems to have been. steady: a fit from another start, in whose
-    place this one is sought: no further than until it has as many impacts, and is less likely. extra: what is fitted
-    beside the baseline's quantities, here and in the second half."""
+    """The first half of it: a segment wherever an impact seems to have been. extra: what is fitted beside the
+    baseline's quantities, here and in the second half. hopeless: of a fit on the way, whether to look no further."""
     data = make_data(world, split)
     last = fit(data, world.space.vector() if start is None else start, extra, iterations=0)
-    return _sought(last, split, steady)
+    return _sought(last, split, hopeless)
 
 
 def with_impacts_in_place(sought: Fit, split: Split) -> Fit:
@@ -73,11 +72,11 @@ def with_impacts_in_place(sought: Fit, split: Split) -> Fit:
 
 def with_further_impacts(last: Fit, split: Split) -> Fit:
     """A fit, whatever it frees beside the baseline's quantities, with the impacts that show in what it leaves."""
-    return with_impacts_in_place(_sought(last, split, None), split)
+    return with_impacts_in_place(_sought(last, split), split)
 
 
-def _sought(last: Fit, split: Split, steady: Fit | None) -> Fit:
-    """Impacts sought in what is left, again and again. last: a start, or a fit. steady: as in
+def _sought(last: Fit, split: Split, hopeless: Callable[[Fit], bool] = lambda one: False) -> Fit:
+    """Impacts sought in what is left, again and again. last: a start, or a fit. hopeless: as in
     `with_impacts_sought`."""
     split = replace(split, lends=False)  # what follows a misplaced impact is another's
     impacts: set[int] = set(last.world.impacts)
@@ -90,7 +89,7 @@ def _sought(last: Fit, split: Split, steady: Fit | None) -> Fit:
             break
         impacts |= new
         last = refit_with(last, split, tuple(sorted(impacts)), iterations=WHILE_SOUGHT, anew=ANEW)
-        if steady is not None and needs_more(last, steady):
+        if hopeless(last):
             break
         last, impacts = _sharpened(last, split)
     return last

@@ -19,6 +19,7 @@ from stillarm.diagnosis.events.frequency_course import frequency_courses, seen_f
 from stillarm.diagnosis.events.impacts import (
     fit_with_impacts,
     needs_more,
+    with_further_impacts,
     with_impacts_in_place,
     with_impacts_sought,
 )
@@ -61,8 +62,9 @@ def moved_as_measured(world: World, split: Split) -> World:
 
 
 def fitted_baseline(world: World, split: Split, reached: Callable[[Fit], None] = lambda one: None) -> Fit:
-    """The baseline's fit; where the accelerometer is at a limit that it should not have, started from that of a sensor
-    with such a limit. reached: told of each better fit on the way, for whoever runs out of time."""
+    """The baseline's fit, what held the arm for a while left out; where the accelerometer is at a limit that it should
+    not have, started from that of a sensor with such a limit. reached: told of each better fit on the way, for whoever
+    runs out of time."""
     acceleration = world.channels.get("acceleration")
     if acceleration is not None:
         ceiling = ceiling_of(acceleration, world.model.accelerometer.noise_std_m_s2)
@@ -70,16 +72,20 @@ def fitted_baseline(world: World, split: Split, reached: Callable[[Fit], None] =
             limited = _with_limit(world, split, ceiling)
             there = limited.world
             start = there.space.with_values(limited.vector, {RANGE: there.space[RANGE].start})
-            return fit(make_data(there, split), start, there.baseline_names())
+            limited = fit(make_data(there, split), start, there.baseline_names())
+            reached(limited)
+            return without_pulls(limited, split)
     usual = _at_the_seen_frequency(world, split, reached)
     reached(usual)
-    if _at_its_noise(usual, split):
-        return usual
     let_go = without_pulls(usual, split)
     reached(let_go)
     if _at_its_noise(let_go, split):
         return let_go
-    return _along_a_course(let_go, world, split) or let_go
+    along = _along_a_course(let_go, world, split)
+    if along is None:
+        return let_go
+    reached(along)
+    return without_pulls(along, split)
 
 
 def _at_its_noise(usual: Fit, split: Split) -> bool:
@@ -169,24 +175,19 @@ def _left_by_a_wrong_start(usual: Fit) -> bool:
 def _along_a_course(steady: Fit, world: World, split: Split) -> Fit | None:
     """Where the arm's frequency plainly changes, any one frequency hides the impacts in a part of the recording and
     makes up others: the baseline's fit with the impacts that are seen with its course. None where one frequency
-    does. steady: the best fit of one frequency so far."""
-    begun = world.space.vector()
-    courses = frequency_courses(world, world.predict(begun).motion)
-    if not courses:
-        return None
-    most = max(one.nats for one in courses.values())
-
-    def struck_along(course: dict[str, float]) -> Fit:
-        # freed: a course that is a little off leaves as much as an impact does
-        start = world.space.with_values(begun, course)
-        return with_impacts_sought(world, split, start, steady, _smooth(course))
-
-    sought = [
-        (struck_along(starts[0]), starts)
-        for one in courses.values()
-        if one.nats > _NEXT_TO_BEST * most
-        for starts in (one.starts(world),)
-    ]
+    does; but where that one with the first of these impacts is the likelier one, the fit from there. steady: the best
+    fit of one frequency so far."""
+    courses = frequency_courses(world, world.predict(world.space.vector()).motion)
+    most = max((one.nats for one in courses.values()), default=0.0)
+    sought, alike = [], []
+    for starts in (one.starts(world) for one in courses.values() if one.nats > _NEXT_TO_BEST * most):
+        found, plain = _struck_along(starts[0], steady, world, split)
+        if plain is None:
+            sought.append((found, starts))
+        else:
+            alike.append(plain)
+    if not sought:
+        return _likelier(alike, steady, split)
     found, starts = max(sought, key=lambda one: one[0].train_log_likelihood)
     if needs_more(found, steady):
         return None
@@ -194,6 +195,35 @@ def _along_a_course(steady: Fit, world: World, split: Split) -> Fit | None:
         return None  # before its impacts are put in place, which takes long
     struck = with_impacts_in_place(found, split)
     return _steady_with_impacts_of(_likeliest(struck, split, starts[1:]), steady, split, starts[0])
+
+
+def _struck_along(
+    course: dict[str, float], steady: Fit, world: World, split: Split
+) -> tuple[Fit, Fit | None]:
+    """The fit along a course with the impacts that are seen with it, as long as it needs no more of them to be as
+    likely; and where one frequency does as well with the first of them, a fit of that: impacts by the dozen, sought
+    with a course that is none, are as good for the one as for the other, and take long."""
+    alike: list[Fit | None] = []
+
+    def hopeless(last: Fit) -> bool:
+        if not alike:
+            plain = _of_one_frequency(last.world, last.vector, steady, split, course, HURRIED_STEPS)
+            alike.append(None if _is_better(last, plain) else plain)
+        return alike[0] is not None or needs_more(last, steady)
+
+    start = world.space.with_values(world.space.vector(), course)
+    # freed: a course that is a little off leaves as much as an impact does
+    found = with_impacts_sought(world, split, start, _smooth(course), hopeless)
+    return found, alike[0]
+
+
+def _likelier(alike: Sequence[Fit], steady: Fit, split: Split) -> Fit | None:
+    """The likeliest of these fits of one frequency with all impacts that show from there, if it is plainly likelier
+    than the best so far with no more of them; None else."""
+    best = max(alike, key=lambda one: one.train_log_likelihood, default=None)
+    if best is None or len(best.world.impacts) > len(steady.world.impacts) or not _is_better(best, steady):
+        return None
+    return with_further_impacts(best, split)
 
 
 def _smooth(course: Iterable[str]) -> tuple[str, ...]:
@@ -211,14 +241,28 @@ def _likeliest(struck: Fit, split: Split, starts: Sequence[dict[str, float]]) ->
 
 def _steady_with_impacts_of(seen: Fit, steady: Fit, split: Split, course: Iterable[str]) -> Fit | None:
     """The fit of one frequency with the impacts that are seen with a course of these quantities; None where it does as
-    well. Begun where the course begins and, as that may be far from the frequency of most of the recording, from the
-    steady fit."""
+    well."""
     there = seen.world.changed(borne_out=frozenset(seen.world.impacts))
+    one = _of_one_frequency(there, seen.vector, steady, split, course)
+    return one if _is_better(seen, one) else None
+
+
+def _of_one_frequency(
+    there: World, vector: Array, steady: Fit, split: Split, course: Iterable[str], steps: int = 12
+) -> Fit:
+    """The likelier fit of one frequency in a world of the impacts that are seen with a course of these quantities, of
+    two. Begun where the course begins, from its vector, and, as that may be far from the frequency of most of the
+    recording, from the steady fit."""
     usual = {name: there.space[name].start for name in course}
-    starts = (there.space.with_values(seen.vector, usual), carried_over(steady, there))
+    starts = (there.space.with_values(vector, usual), carried_over(steady, there))
     data, names = make_data(there, split), there.baseline_names()
-    one = max((fit(data, start, names) for start in starts), key=lambda each: each.train_log_likelihood)
-    return one if seen.train_log_likelihood - one.train_log_likelihood > CHANGED_NATS else None
+    fits = (fit(data, start, names, iterations=steps) for start in starts)
+    return max(fits, key=lambda one: one.train_log_likelihood)
+
+
+def _is_better(one: Fit, other: Fit) -> bool:
+    """Whether a fit of another structure is plainly the likelier one."""
+    return one.train_log_likelihood - other.train_log_likelihood > CHANGED_NATS
 
 
 def lost_modes(one: Fit) -> list[int]:

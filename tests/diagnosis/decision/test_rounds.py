@@ -8,8 +8,13 @@ import pytest
 
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision import rounds
-from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.fitting.fit import fit
+from stillarm.diagnosis.fitting.fitted import Fit, make_data
+from stillarm.diagnosis.fitting.gains import free_names
+from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.search.baseline import moved_as_measured
 from stillarm.diagnosis.search.candidates import Candidate
+from tests.fixtures.synthetic import MODEL, measured
 
 LAST = cast(Fit, SimpleNamespace())
 
@@ -54,3 +59,22 @@ def test_what_tells_most_leads_whatever_the_drive_did(
 ) -> None:
     findings = [candidate(cause, "", merit) for cause, merit in (first, second)]
     assert rounds._largest_first(findings)[0] is findings[leads]
+
+
+@pytest.mark.slow
+def test_what_the_joint_tells_of_the_drive_leaves_the_arm_s_modes_as_they_were() -> None:
+    """The model's frequency is a tenth off, which the joint's own channels cannot know: a fit to them alone has the
+    model's, from which none to all channels leads back."""
+    hz, dead_s, split = 1.1 * MODEL.arm.modes[0].frequency_hz, 0.03, interleaved(40.0)
+    data = measured(40.0, 5, {"modes.0.frequency_hz": hz, "drive.dead_time_s": dead_s})
+    world = moved_as_measured(World(data, MODEL), split)
+    begun = world.space.with_values(world.space.vector(), {"modes.0.frequency_hz": hz})
+    last = fit(make_data(world, split), begun, world.baseline_names())
+    alone, own = rounds._joint_alone(last, split), ("drive.dead_time_s",)
+    late = alone.world.space.with_values(alone.vector, {own[0]: dead_s})
+    told = fit(make_data(alone.world, split), late, free_names(alone, alone.world, own))
+    one = Candidate("drive_dead_time", told, 0.0, 0.0, {}, free=own)
+    whole = rounds._of_the_whole(one, last, split).fit
+    assert whole.value("modes.0.frequency_hz") == pytest.approx(hz, rel=1e-3)
+    assert whole.value(own[0]) == pytest.approx(dead_s, abs=1e-3)
+    assert np.nanstd(whole.residuals["displacement"]) < 1.1 * np.nanstd(last.residuals["displacement"])

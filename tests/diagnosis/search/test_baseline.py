@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.events.impacts import fit_with_impacts
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import make_data
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.baseline import (
     _at_the_seen_frequency,
     _left_by_a_wrong_start,
+    _likelier,
     _steady_with_impacts_of,
+    _struck_along,
     fitted_baseline,
 )
 from stillarm.diagnosis.sensors.accelerometer_faults import ceiling_of
@@ -43,6 +46,37 @@ def test_one_frequency_beside_a_course_is_no_less_likely_than_the_steady_fit() -
     found = _steady_with_impacts_of(seen, steady, split, ("arm.onset_s", "arm.frequency_ratio"))
     assert found is not None
     assert found.value("modes.0.frequency_hz") == pytest.approx(hz, rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("drifts", [True, False])
+def test_impacts_are_sought_along_a_course_only_where_one_frequency_does_worse(drifts: bool) -> None:
+    split, rate, struck = interleaved(16.0), -0.01, 7300
+    course = {"arm.frequency_rate_per_s": rate if drifts else 0.0}
+    data = measured(16.0, 3, {"jump.1.0.v": 0.4, **course}, impacts=(struck,))
+    world = World(data, MODEL)
+    steady = fit_with_impacts(world, split)
+    hz = MODEL.arm.modes[0].frequency_hz
+    found, plain = _struck_along(
+        {"modes.0.frequency_hz": hz, "arm.frequency_rate_per_s": rate}, steady, world, split
+    )
+    assert (plain is None) == drifts
+    if drifts:
+        assert found.world.impacts == pytest.approx((struck,), abs=15)
+
+
+def test_a_likelier_fit_with_fewer_impacts_is_the_baseline() -> None:
+    split = interleaved(9.0)
+    world = World(measured(9.0, 3), MODEL)
+    best = fit(make_data(world, split), world.space.vector(), world.baseline_names())
+    made_up = world.changed(impacts=(2000,))
+    far = made_up.space.with_values(made_up.space.vector(), {"modes.0.frequency_hz": 3.4})
+    steady = fit(make_data(made_up, split), far, made_up.baseline_names(), iterations=0)
+    found = _likelier([best], steady, split)
+    assert found is not None
+    assert found.train_log_likelihood >= best.train_log_likelihood
+    assert _likelier([steady], best, split) is None
+    assert _likelier([], best, split) is None
 
 
 @pytest.mark.slow
