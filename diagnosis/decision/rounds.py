@@ -288,8 +288,8 @@ def _joint_alone(last: Fit, split: Split) -> Fit:
 
 
 def _of_the_whole(one: Candidate, last: Fit, split: Split) -> Candidate:
-    """A form of the drive, fitted to the joint alone, fitted to all channels. The arm's modes and the sensors at the tip
-    begin as they were: the joint alone says nothing of them."""
+    """A form of the drive, fitted to the joint alone, fitted to all channels. The arm's modes and the sensors at the
+    tip begin as they were: the joint alone says nothing of them."""
     told = [name for name in one.fit.free if name.startswith(_OF_JOINT) or name in one.free]
     values = {name: one.fit.value(name) for name in told if name in last.world.space.place}
     if one.begins is not None:
