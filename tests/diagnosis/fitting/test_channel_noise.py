@@ -35,6 +35,15 @@ def test_noise_with_a_colour_is_no_less_for_it(plain: Fit) -> None:
     assert noise_of(coloured, name, SPLIT) == pytest.approx(1.0, rel=0.07)
 
 
+def test_what_rings_nearly_as_fast_as_the_images_is_no_noise_of_theirs(plain: Fit) -> None:
+    """It changes from image to image as much as noise does, at a few frequencies alone."""
+    name, frames = "displacement", len(plain.residuals["displacement"])
+    noise = np.random.default_rng(4).normal(0.0, NOISE[name], frames)
+    rings = 10.0 * NOISE[name] * np.sin(2.0 * np.pi * 0.38 * np.arange(frames))
+    ringing = replace(plain, residuals={**plain.residuals, name: noise + rings})
+    assert white_noise(ringing, name) == pytest.approx(NOISE[name], rel=0.3)
+
+
 def test_what_matters_is_a_part_of_the_motion_however_little_the_noise(plain: Fit) -> None:
     """An encoder with next to no noise asks for no drive that is as good."""
     least = least_that_matters(plain, "joint_position")
