@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 _ONSETS = (0.15, 0.3, 0.45, 0.6, 0.75)  # of the recording, from which on a trial's directions count alone
 _MORE = 1.3  # times what a trial promises throughout: less, and an onset is sought where the whole is fitted
+_RUN_AWAY = 1e100  # deviations of the noise: of a trial in which the arm runs away, and whose square is no number
 _MANY = 2  # columns: from there on a prediction of the shape alone spares more than it costs
 
 
@@ -101,7 +102,7 @@ def _scores(
     for index, column in enumerate(trial.columns):
         moved = world.space.with_values(shaped, column)
         white.weighted(world.predict(world.space.clipped(moved), near), base, d[:, index])
-    if not np.isfinite(d).all():
+    if not np.max(np.abs(d), initial=0.0) < _RUN_AWAY:  # nor NaN
         return []
     onsets_s = () if trial.asked else onsets_s
     of_all, *from_there = white.products(d, onsets_s)
