@@ -38,19 +38,17 @@ def test_a_known_resonance_is_fitted(
     assert fitted / rate_hz == pytest.approx(cycles_per_sample, abs=within)
 
 
-@pytest.mark.xfail(
-    reason="with a minute for the verdict the new search names nothing in the whole of it (issue 30)"
-)
 def test_the_silverbox_has_a_cubic_spring(tmp_path: Path) -> None:
-    """The first finding today, though not yet the verdict: coefficient about 3.9, and the held-out error cut by over
-    nine tenths."""
+    """Coefficient about 3.9, and the held-out error cut by over nine tenths."""
     one = SETS["silverbox, growing noise"]
     (tmp_path / "data").mkdir()
     recording = tmp_path / "recording.mcap"
     assert call([*one.make(DATA / one.source, tmp_path / "data"), "-o", str(recording)]).status == 0
     found = call(["diagnose", str(recording), "--no-use", "--out", str(tmp_path / "diagnosis")])
     assert found.status == 0, found.error
-    first = diagnosis_of(tmp_path)["findings"][0]
+    table = diagnosis_of(tmp_path)
+    assert table["verdict"] == "named"
+    first = table["findings"][0]
     assert first["cause"] == "cubic_stiffness"
     assert first["parameters"]["coefficient_per_m2"]["value"] == pytest.approx(3.9, abs=0.2)
     assert first["held_out"]["reduction"] > 0.9
