@@ -38,7 +38,7 @@ from stillarm.diagnosis.search.candidates import (
     turns_the_joint,
 )
 from stillarm.diagnosis.search.comparison import LEFT_OUT, compared, hinted
-from stillarm.diagnosis.search.convincing import convinces, is_too_little
+from stillarm.diagnosis.search.convincing import STRAYING, convinces, is_too_little
 from stillarm.diagnosis.search.refits import QUICK
 from stillarm.diagnosis.sensors.clocks import backward_steps
 from stillarm.diagnosis.sensors.laws import LawFound, laws
@@ -160,8 +160,9 @@ def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: 
         screening, candidates = [], []
         if found.findings and not anything_but_spikes_matters(last, split):
             judged_again = _convincing_elsewhere(found, split)
-            # arrivals that step change nothing that matters, and a round of the drive alone does not look at them
-            if _drive_alone_looked_at(found):
+            # arrivals that step change nothing that matters, and a round of the drive alone does not look at them; nor
+            # does a drift, which a law of wander takes
+            if _drive_alone_looked_at(found) or _arrivals_stray(last):
                 judged_again |= {one.id for one in allowed if DECLARED[one.id].place == "timing"}
             allowed = [one for one in allowed if one.id in judged_again]
         if allowed:
@@ -255,6 +256,12 @@ def _best_that_convinces(
 def _drive_alone_looked_at(found: Found) -> bool:
     """Whether no round has looked at other causes than the drive's."""
     return all(turns_the_joint(one.cause.id) for stage in found.stages for one in stage.screening)
+
+
+def _arrivals_stray(last: Fit) -> bool:
+    """Whether images come more irregularly than the model states."""
+    arrivals, stated_s = last.channel("arrival"), last.world.model.timing.capture_delay_std_s
+    return arrivals is not None and stated_s > 0.0 and float(np.nanstd(arrivals.off)) > STRAYING * stated_s
 
 
 def _convincing_elsewhere(found: Found, split: Split) -> set[str]:

@@ -29,6 +29,9 @@ ALWAYS_THERE = "second_bending_mode"
 _OF_A_STEP = 0.5  # of what arrivals are foretold otherwise, from one to the next
 _OF_LASTING = 0.3
 """Of how much later images come, counts as an effect: a delay wanders by half its scatter whatever is wrong."""
+STRAYING = 1.5
+"""Times the stated deviation of the delay: what goes further is no usual wander, of which a recording as long as it
+lasts tells the deviation to a third or so (contract.md: a slow wander within the stated spread is normal)."""
 _BLOCKS_OF_AN_EVENT = 2  # of the recording: in which it lies, or across whose edge it rings
 # parts of the recording: what goes wrong with the joint acts at the tops of its motion, or at its turns, and matters if
 # it does in one of them
@@ -108,7 +111,8 @@ def size_in_noise(before: Fit, after: Fit, split: Split, parts: int = 1) -> floa
 def _mended(before: Fit, after: Fit, name: str, split: Split, parts: int) -> float:
     """In one channel. What rounding makes is no noise: a fit of anything may take all of it, step^2 / 12. Of what lasts
     in the arrivals a wander of the delay takes the most: it counts by how much they are foretold otherwise, and a
-    drift, which is what a delay that wanders looks like, no more than it is seen beside the wander."""
+    drift, which is what a delay that wanders looks like, no more than it is seen beside the wander, unless it goes
+    further than the delay is stated to."""
     less = before.residuals[name] ** 2 - after.residuals[name] ** 2
     known = less[np.isfinite(less)]
     power = max((float(one.mean()) for one in np.array_split(known, parts) if len(one)), default=0.0)
@@ -126,8 +130,10 @@ def _lasting(before: Fit, after: Fit, seen_s: float) -> float:
     otherwise = otherwise[np.isfinite(otherwise)]
     if len(otherwise) < 2:
         return 0.0
-    lasting_s = _OF_LASTING * float(np.std(otherwise))
-    drifts = not _steps(otherwise) and not _adds_terms(after, before)
+    strayed_s, stated_s = float(np.std(otherwise)), before.world.model.timing.capture_delay_std_s
+    lasting_s = _OF_LASTING * strayed_s
+    within = stated_s <= 0.0 or strayed_s < STRAYING * stated_s
+    drifts = within and not _steps(otherwise) and not _adds_terms(after, before)
     return min(seen_s, lasting_s) if drifts else lasting_s
 
 

@@ -22,7 +22,9 @@ Array = NDArray[np.float64]
 
 _ONSETS = (0.15, 0.3, 0.45, 0.6, 0.75)  # of the recording, from which on a trial's directions count alone
 _MORE = 1.3  # times what a trial promises throughout: less, and an onset is sought where the whole is fitted
-_RUN_AWAY = 1e100  # deviations of the noise: of a trial in which the arm runs away, and whose square is no number
+_RUN_AWAY = (
+    1e100  # deviations of the noise: of a trial in which the arm runs away, and whose square is no number
+)
 _MANY = 2  # columns: from there on a prediction of the shape alone spares more than it costs
 
 

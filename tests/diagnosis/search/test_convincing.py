@@ -111,3 +111,15 @@ def test_of_what_lasts_in_the_arrivals_a_step_counts_and_a_drift_does_not(
     arrivals = {**plain.predicted.channels, "arrival": shown + later}
     after = replace(plain, predicted=replace(plain.predicted, channels=arrivals))
     assert (size_in_noise(plain, after, SPLIT) > LEAST_OF_NOISE) is told
+
+
+@pytest.mark.parametrize(("of_stated", "told"), [(1.2, False), (2.0, True)])
+def test_a_drift_that_goes_further_than_the_delay_is_stated_to_counts(
+    plain: Fit, of_stated: float, told: bool
+) -> None:
+    shown = plain.predicted.channels["arrival"]
+    along = np.linspace(-1.0, 1.0, len(shown)) * 3.0**0.5  # its deviation is 1
+    drift = of_stated * plain.world.model.timing.capture_delay_std_s * along
+    arrivals = {**plain.predicted.channels, "arrival": shown + drift}
+    after = replace(plain, predicted=replace(plain.predicted, channels=arrivals))
+    assert (size_in_noise(plain, after, SPLIT) > LEAST_OF_NOISE) is told
