@@ -50,6 +50,8 @@ def _floor(residual: Array) -> float:
     """Standard deviation of white noise as loud as the upper half of a residual's spectrum is at most of its
     frequencies for most of the time: what rings there stands out at a few. Medians over segments that overlap by half
     (Welch 1967), of which those of white noise are log 2 of the means; infinite where there are too few."""
+    if len(residual) < _SEGMENT:
+        return inf
     taper = np.hanning(_SEGMENT)
     segments = np.lib.stride_tricks.sliding_window_view(residual, _SEGMENT)[:: _SEGMENT // 2]
     segments = segments[np.isfinite(segments).all(axis=1)]

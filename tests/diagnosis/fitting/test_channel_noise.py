@@ -44,6 +44,13 @@ def test_what_rings_nearly_as_fast_as_the_images_is_no_noise_of_theirs(plain: Fi
     assert white_noise(ringing, name) == pytest.approx(NOISE[name], rel=0.3)
 
 
+@pytest.mark.parametrize("images", [12, 70])
+def test_a_few_images_have_the_noise_that_changes_from_one_to_the_next(plain: Fit, images: int) -> None:
+    few = {**plain.residuals, "displacement": plain.residuals["displacement"][:images]}
+    noise = white_noise(replace(plain, residuals=few), "displacement")
+    assert noise == pytest.approx(NOISE["displacement"], rel=0.6)
+
+
 def test_what_matters_is_a_part_of_the_motion_however_little_the_noise(plain: Fit) -> None:
     """An encoder with next to no noise asks for no drive that is as good."""
     least = least_that_matters(plain, "joint_position")
