@@ -38,7 +38,7 @@ from stillarm.diagnosis.search.candidates import (
     turns_the_joint,
 )
 from stillarm.diagnosis.search.comparison import LEFT_OUT, compared, hinted
-from stillarm.diagnosis.search.convincing import STRAYING, convinces, is_too_little
+from stillarm.diagnosis.search.convincing import convinces, is_too_little, strays_beyond_stated
 from stillarm.diagnosis.search.refits import QUICK
 from stillarm.diagnosis.sensors.clocks import backward_steps
 from stillarm.diagnosis.sensors.laws import LawFound, laws
@@ -260,8 +260,8 @@ def _drive_alone_looked_at(found: Found) -> bool:
 
 def _arrivals_stray(last: Fit) -> bool:
     """Whether images come more irregularly than the model states."""
-    arrivals, stated_s = last.channel("arrival"), last.world.model.timing.capture_delay_std_s
-    return arrivals is not None and stated_s > 0.0 and float(np.nanstd(arrivals.off)) > STRAYING * stated_s
+    arrivals = last.channel("arrival")
+    return arrivals is not None and strays_beyond_stated(arrivals.off, last)
 
 
 def _convincing_elsewhere(found: Found, split: Split) -> set[str]:

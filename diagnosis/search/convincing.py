@@ -29,7 +29,7 @@ ALWAYS_THERE = "second_bending_mode"
 _OF_A_STEP = 0.5  # of what arrivals are foretold otherwise, from one to the next
 _OF_LASTING = 0.3
 """Of how much later images come, counts as an effect: a delay wanders by half its scatter whatever is wrong."""
-STRAYING = 1.5
+_STRAYING = 1.5
 """Times the stated deviation of the delay: what goes further is no usual wander, of which a recording as long as it
 lasts tells the deviation to a third or so (contract.md: a slow wander within the stated spread is normal)."""
 _BLOCKS_OF_AN_EVENT = 2  # of the recording: in which it lies, or across whose edge it rings
@@ -130,11 +130,17 @@ def _lasting(before: Fit, after: Fit, seen_s: float) -> float:
     otherwise = otherwise[np.isfinite(otherwise)]
     if len(otherwise) < 2:
         return 0.0
-    strayed_s, stated_s = float(np.std(otherwise)), before.world.model.timing.capture_delay_std_s
-    lasting_s = _OF_LASTING * strayed_s
-    within = stated_s <= 0.0 or strayed_s < STRAYING * stated_s
-    drifts = within and not _steps(otherwise) and not _adds_terms(after, before)
+    lasting_s = _OF_LASTING * float(np.std(otherwise))
+    beyond = strays_beyond_stated(otherwise, before)
+    drifts = not (beyond or _steps(otherwise) or _adds_terms(after, before))
     return min(seen_s, lasting_s) if drifts else lasting_s
+
+
+def strays_beyond_stated(arrivals_s: Array, last: Fit) -> bool:
+    """Whether arrivals scatter further than the model states of the delay; not where it states nothing. arrivals_s:
+    off what a fit foretells, NaN where unknown."""
+    stated_s = last.world.model.timing.capture_delay_std_s
+    return stated_s > 0.0 and float(np.nanstd(arrivals_s)) >= _STRAYING * stated_s
 
 
 def _steps(later_s: Array) -> bool:
