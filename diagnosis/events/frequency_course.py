@@ -14,12 +14,12 @@ from math import pi
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from stillarm.common.files.model import Mode, Model
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.physics.arm_motion import Motion
 from stillarm.diagnosis.physics.copies import shared_out
+from stillarm.diagnosis.physics.linear_modes import acceleration_of_mode, deflection_of_mode
 from stillarm.diagnosis.physics.quantities import HIGHER
 from stillarm.diagnosis.physics.window_fits import swings_in_windows
 from stillarm.diagnosis.physics.world import World
@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 
 _PERIODS = 4.0  # of a window
 _PER_PERIOD = 24  # samples
+_FINER = 4  # times as fine is what a mode's answer is worked out in: 2 % of a turn at the highest frequency
 _RATIOS = np.exp(np.linspace(np.log(0.6), np.log(1.6), 197))  # half a per cent apart
 _DAMPING = 0.01  # ratio taken for the mode in every window: that of a usual arm
 _WITHIN = 1e-9  # of the largest term: what is left of one that the others hold already is rounding
@@ -177,33 +178,43 @@ def _shown(world: World, motion: Motion) -> list[_Shown]:
     """The channels that show the vibration, at some samples a period."""
     h = world.measured.cycle_s
     f0 = world.model.arm.modes[0].frequency_hz
-    many = max(1, int(1.0 / (_PER_PERIOD * f0) / h))
-    pull = world.length * motion.joint[:, 2]
-    middles = np.asarray(h * many * np.arange(len(pull) // many), np.float64)
+    fine = max(1, int(1.0 / (_FINER * _PER_PERIOD * f0) / h))
+    many = fine * max(1, int(1.0 / (_PER_PERIOD * f0) / h / fine))
+    step_s = fine * h
+    pull = _means(world.length * motion.joint[:, 2], fine)
     shown = []
     felt, bent, seen = (world.channels.get(name) for name in ("acceleration", "deflection", "displacement"))
+
+    def averaged(values: Array, beside: Array, answer: Callable[..., Array], per_m: float) -> _Shown:
+        """A channel of the controller's grid."""
+        means = _means(values, many)
+        times_s = np.asarray(h * many * np.arange(len(means)), np.float64)
+
+        def forced(w: float) -> Array:
+            return _means(answer(-pull, w / (2.0 * pi), _DAMPING, step_s), many // fine)
+
+        return _Shown(times_s, means, beside, forced, per_m)
+
     if felt is not None:
         per_m = world.model.accelerometer.scale * (2.0 * pi * f0) ** 2
-        rigid = _means(pull, many)[:, None]
-        means = _means(felt, many)
-        shown.append(_Shown(middles, means, rigid, lambda w: _means(_answer(pull, w, h, False), many), per_m))
+        shown.append(averaged(felt, _means(pull, many // fine)[:, None], acceleration_of_mode, per_m))
     if bent is not None:
-        means = _means(bent, many)
-        none = np.empty((len(means), 0))
-        shown.append(_Shown(middles, means, none, lambda w: _means(_answer(pull, w, h, True), many), 1.0))
+        shown.append(averaged(bent, np.empty((len(bent), 0)), deflection_of_mode, 1.0))
     per_px = world.model.camera.scale_px_per_m
     if seen is not None and per_px != 0.0:
         at_s = world.instants(world.space.vector())
         known = np.isfinite(at_s)
         at_s = at_s[known]
-        grid = world.cycle_times
-        turned = np.interp(at_s, grid, motion.joint[:, 0])[:, None]
+        turned = np.interp(at_s, world.cycle_times, motion.joint[:, 0])[:, None]
+        grid_s = step_s * np.arange(len(pull)) + 0.5 * (step_s - h)  # the middles of what is averaged
         shown.append(
             _Shown(
                 at_s,
                 seen[known],
                 turned,
-                lambda w: np.interp(at_s, grid, _answer(pull, w, h, True)),
+                lambda w: np.interp(
+                    at_s, grid_s, deflection_of_mode(-pull, w / (2.0 * pi), _DAMPING, step_s)
+                ),
                 per_px,
             )
         )
@@ -282,16 +293,6 @@ def _solved(
             )
         )
     return found
-
-
-def _answer(pull: Array, w: float, h: float, deflection: bool) -> Array:
-    """q'' or q of q'' + 2 z w q' + w^2 q = -pull (bilinear)."""
-    k = 2.0 / h
-    drag = 2.0 * _DAMPING * w * k
-    a0, a1, a2 = k * k + drag + w * w, 2.0 * (w * w - k * k), k * k - drag + w * w
-    b = [1.0, 2.0, 1.0] if deflection else [k * k, -2.0 * k * k, k * k]
-    out: Array = lfilter(np.array(b) / a0, [1.0, a1 / a0, a2 / a0], -pull)
-    return out
 
 
 def _means(values: Array, many: int) -> Array:

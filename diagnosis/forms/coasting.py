@@ -6,6 +6,7 @@ over the first part of the recording, in which little has added up, and taken on
 """
 
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -16,6 +17,7 @@ from stillarm.diagnosis.forms.cause import Cause, Context, Trial, driven, free_o
 from stillarm.diagnosis.physics.arm_motion import dead_s
 from stillarm.diagnosis.physics.coasting_play import link_velocity
 from stillarm.diagnosis.physics.computing import check_time
+from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.quantities import COASTING
 
 Array = NDArray[np.float64]
@@ -35,6 +37,7 @@ _AT_REST = 0.0  # at the start, rad/s: without a play a fit makes up for the dep
 _NO_PLAY = (1e-9, 0.0, 60.0, 0.3)  # gap, drag, teeth of a link that follows its motor
 _FIRST_STEP, _LEAST_STEP = 0.2, 0.004  # of each value's logarithm, in a search along it
 _NEAR = 0.03  # of the width: what is nearer follows the course
+_APART = 4  # samples that are looked at: the teeth's course, 60 Hz as a rule, is told by so many at 1 kHz
 _BEST = 3  # of the grid, that are searched on from
 _FOLLOWED = 0.5  # of the cost without a play: what leaves more follows no course, and costs no more time
 _MOST_TRIALS = 150  # of a search: four values, some ten steps each to either side
@@ -59,7 +62,7 @@ class _Seen:
         n = round((self.begins + part * (1.0 - self.begins)) * len(self.command))
         rate = link_velocity(self.command[:n], self.cycle_s, self.decay, self.most, _AT_REST, *values)
         way = self.cycle_s * (np.cumsum(rate) - 0.5 * rate)
-        off = self.position[:n] - way
+        off = (self.position[:n] - way)[::_APART]
         off = (off - np.nanmedian(off)) / (_NEAR * self.width)
         return float(np.nanmean(np.log1p(off * off)))
 
@@ -91,9 +94,10 @@ def _seen(context: Context) -> _Seen | None:
 def _follows(seen: _Seen) -> _Values | None:
     """Gap, drag, teeth's frequency and damping whose course the encoder follows best; None where it follows none."""
     grid = [(gap * seen.width, *rest) for gap, *rest in product(*_GRID)]
-    tried = [one for _, one in sorted((seen.cost(one, _PARTS[0]), one) for one in grid)[:_BEST]]
+    costs = shared_out(lambda one: seen.cost(one, _PARTS[0]), grid)
+    tried = [one for _, one in sorted(zip(costs, grid, strict=True))[:_BEST]]
     for part in _PARTS:
-        cost, best = min(_searched(seen, one, part) for one in tried)
+        cost, best = min(shared_out(partial(_searched, seen, part=part), tried))
         if cost > _FOLLOWED * seen.cost(_NO_PLAY, part):
             return None
         tried = [best]

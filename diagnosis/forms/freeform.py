@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.forms.courses import imaged, walk_over
-from stillarm.diagnosis.physics.linear_modes import answer_of_mode
+from stillarm.diagnosis.physics.linear_modes import answer_of_mode, deflection_of_mode
 from stillarm.diagnosis.physics.space import Added, hats
 from stillarm.diagnosis.physics.world import World
 
@@ -272,7 +272,7 @@ def _ringing(channel: str, hz: float) -> Callable[[Fit], dict[str, Array]]:
         found = []
         for damping in (0.01, 0.05):
             force = np.stack([motion.joint[:, 2], motion.tip_acceleration], axis=1)
-            q, _ = answer_of_mode(force, hz, damping, fit.world.measured.cycle_s)
+            q = deflection_of_mode(force, hz, damping, fit.world.measured.cycle_s)
             found += [q, np.gradient(q, axis=0)]
         phase = 2.0 * pi * hz * fit.world.cycle_times
         found.append(np.stack([np.sin(phase), np.cos(phase)], axis=1))

@@ -18,7 +18,7 @@ from stillarm.common.files.model import Model
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.physics.coasting_play import equivalent_behind_play
 from stillarm.diagnosis.physics.computing import Lately, check_time
-from stillarm.diagnosis.physics.declared_effects import effects_in
+from stillarm.diagnosis.physics.declared_effects import effects_in, own_names
 from stillarm.diagnosis.physics.linear_modes import add_decay, free_decay, tip_of
 from stillarm.diagnosis.physics.measured_joint import answer_to_joint, smoothed
 from stillarm.diagnosis.physics.quantities import (
@@ -135,9 +135,9 @@ class ArmMotion:
             for i in range(self.modes)
             for part in "qv"
         }
-        self._moving = np.array([at for name, at in space.place.items() if not name.startswith(_SEEN_ONLY)])
-        of_joint = (*_SEEN_ONLY, *_OF_ARM)
-        self._of_joint = np.array([at for name, at in space.place.items() if not name.startswith(of_joint)])
+        self._moving = _others(space, _SEEN_ONLY, own_names("sensitivity", "reading", "image"))
+        of_arm = own_names("sensitivity", "reading", "image", "force", "friction", "frequency")
+        self._of_joint = _others(space, (*_SEEN_ONLY, *_OF_ARM), of_arm)
 
     def forget(self) -> None:
         """Give the memory of what is remembered back."""
@@ -327,6 +327,12 @@ class ArmMotion:
             most = self.model.drive.max_acceleration_rad_s2
             command = equivalent_behind_play(command, cycle_s, decay, most, omega, *play)
         return command
+
+
+def _others(space: Space, prefixes: tuple[str, ...], names: frozenset[str]) -> NDArray[np.int64]:
+    """Places of the quantities but for those of these names, or whose names begin so."""
+    kept = [at for name, at in space.place.items() if not name.startswith(prefixes) and name not in names]
+    return np.array(kept, dtype=np.int64)
 
 
 def dead_s(vector: Array, space: Space) -> float:

@@ -66,6 +66,16 @@ def own_quantities() -> list[Quantity]:
     ]
 
 
+def own_names(*acts: Acts) -> frozenset[str]:
+    """The names of their own at which the numbers of causes that act at some sites stand in the vector."""
+    return frozenset(
+        quantity_of(cause.identifier, one.name)
+        for cause in LAWS.values()
+        if cause.acts in acts and cause.identifier not in _QUANTITIES.keys() | _OWN_WAY
+        for one in cause.numbers
+    )
+
+
 def _own_quantity(cause: str, one: Parameter) -> Quantity:
     low, high = one.typical
     if not isnan(one.neutral):
@@ -122,7 +132,10 @@ def effects_in(vector: Array, place: Mapping[str, int]) -> list[tuple[str, dict[
     found = []
     for identifier, numbers in _fitted_laws():
         # most are idle, and this is asked for every prediction
-        if not any(vector[place[quantity]] == neutral for _, quantity, neutral in numbers):
+        for _, quantity, neutral in numbers:
+            if vector[place[quantity]] == neutral:
+                break
+        else:
             found.append(
                 (identifier, {name: float(vector[place[quantity]]) for name, quantity, _ in numbers})
             )

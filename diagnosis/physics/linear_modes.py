@@ -3,6 +3,8 @@
 The motion itself is that of stillarm.simulation.arm. What is run at each simulation is compiled.
 """
 
+from math import tan
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -81,14 +83,30 @@ def add_decay(
         acceleration[k] += dq * decay[k - first, 1] + dv * decay[k - first, 3]
 
 
+def deflection_of_mode(force: Array, frequency_hz: float, damping_ratio: float, step_s: float) -> Array:
+    """Deflection, m, of a mode under forces, (samples,) or (samples, k) m/s^2, from rest: q of
+    q'' + 2 z w q' + w^2 q = force (bilinear, with a pre-warped frequency: exact at w)."""
+    _, a = _filter_of_mode(frequency_hz, damping_ratio, step_s)
+    return np.asarray(lfilter(np.array([1.0, 2.0, 1.0]) / a[0], a / a[0], force, axis=0))
+
+
+def acceleration_of_mode(force: Array, frequency_hz: float, damping_ratio: float, step_s: float) -> Array:
+    """The second derivative of `deflection_of_mode`, m/s^2."""
+    k, a = _filter_of_mode(frequency_hz, damping_ratio, step_s)
+    return np.asarray(lfilter(k * k / a[0] * np.array([1.0, -2.0, 1.0]), a / a[0], force, axis=0))
+
+
 def answer_of_mode(
     force: Array, frequency_hz: float, damping_ratio: float, step_s: float
 ) -> tuple[Array, Array]:
-    """Deflection, m, and its acceleration, m/s^2, of a mode under forces, (samples, k) m/s^2, from rest (bilinear)."""
-    k, w = 2.0 / step_s, 2.0 * np.pi * frequency_hz
-    a0 = k * k + 2.0 * damping_ratio * w * k + w * w
-    a1, a2 = 2.0 * (w * w - k * k), k * k - 2.0 * damping_ratio * w * k + w * w
-    b = np.array([1.0, 2.0, 1.0]) / a0
-    q = lfilter(b, [1.0, a1 / a0, a2 / a0], force, axis=0)
-    v = lfilter(np.array([1.0, 0.0, -1.0]) * k / a0, [1.0, a1 / a0, a2 / a0], force, axis=0)
-    return q, force - 2.0 * damping_ratio * w * v - w * w * q
+    """Deflection, m, and its acceleration, m/s^2, of a mode under forces, (samples, k) m/s^2, from rest."""
+    mode = frequency_hz, damping_ratio, step_s
+    return deflection_of_mode(force, *mode), acceleration_of_mode(force, *mode)
+
+
+def _filter_of_mode(frequency_hz: float, damping_ratio: float, step_s: float) -> tuple[float, Array]:
+    """k of s = k (1 - 1/z) / (1 + 1/z), 1/s, and the denominator of a mode's answers, by falling powers of z."""
+    w = 2.0 * np.pi * frequency_hz
+    k = w / tan(0.5 * w * step_s)
+    drag = 2.0 * damping_ratio * w * k
+    return k, np.array([k * k + drag + w * w, 2.0 * (w * w - k * k), k * k - drag + w * w])

@@ -20,7 +20,7 @@ from scipy.signal import butter, filtfilt, welch
 
 from stillarm.diagnosis.data.noise import LEAST, resolution
 from stillarm.diagnosis.data.robust import bridged, white_noise
-from stillarm.diagnosis.physics.linear_modes import answer_of_mode
+from stillarm.diagnosis.physics.linear_modes import acceleration_of_mode, answer_of_mode
 
 Array = NDArray[np.float64]
 
@@ -96,7 +96,7 @@ def answer_to_path(path: Array, frequency_hz: float, damping_ratio: float, step_
     """Deflection, m, of a mode of participation 1 when the arm's root is moved along a path, (n,) m, from rest:
     q'' + 2 z w q' + w^2 q = -path'' (bilinear)."""
     # q under a force's second derivative is q'' under the force
-    return answer_of_mode(path[0] - path, frequency_hz, damping_ratio, step_s)[1]
+    return acceleration_of_mode(path[0] - path, frequency_hz, damping_ratio, step_s)
 
 
 def tip_moved(off: Array, modes: Array, length_m: float, answer: Callable[[float, float], Array]) -> Array:

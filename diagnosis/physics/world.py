@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.common.files.model import Model
-from stillarm.diagnosis.data.channels import ARM_CHANNELS, FRAME_CHANNELS, present_channels
+from stillarm.diagnosis.data.channels import ARM_CHANNELS, FRAME_CHANNELS, JOINT_CHANNELS, present_channels
 from stillarm.diagnosis.data.frame_clock import FrameClock, frame_clock
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.noise import LEAST, resolution
@@ -21,6 +21,7 @@ from stillarm.diagnosis.data.robust import white_noise
 from stillarm.diagnosis.physics.accelerometer import Accelerometer, without_strikes
 from stillarm.diagnosis.physics.arm_motion import ANSWERS, JOINTS, ArmMotion, Motion
 from stillarm.diagnosis.physics.camera import Camera
+from stillarm.diagnosis.physics.channel_quantities import own_places
 from stillarm.diagnosis.physics.computing import Lately
 from stillarm.diagnosis.physics.declared_effects import is_behind_encoder
 from stillarm.diagnosis.physics.jump_answers import JumpAnswers
@@ -39,11 +40,13 @@ _ABOUT_EXPOSED_S = 0.02  # by which an image's instant is uncertain
 
 @dataclass(frozen=True)
 class Predicted:
-    """What each channel should show, by name, and displacement's rate at the frames, px/s (for doubt of instants)."""
+    """What each channel should show, by name, and displacement's rate at the frames, px/s (for doubt of instants).
+    vector: that it follows from."""
 
     channels: dict[str, Array]
     rate_px_s: Array
     motion: Motion
+    vector: Array
 
 
 class World:
@@ -101,6 +104,7 @@ class World:
         for group in added:
             for name in group.amounts:
                 self.space.add(Quantity(name, 0.0, step=1e-3 * group.prior_std, prior_std=group.prior_std))
+        self._own = {name: own_places(name, self.space, added) for name in self.channels}
         self._tip_follows_encoder = self._encoder_tells_tip()
         self._variation: dict[str, float] = {}
         self._resolution: dict[str, float] = {}
@@ -245,32 +249,52 @@ class World:
         return self._arm.move(vector)
 
     def predict(self, vector: Array, near: Predicted | None = None) -> Predicted:
-        """All channels that were measured. near: its motion is taken where the vector says the same of it."""
-        at = self.space.place
+        """All channels that were measured. near: of this world; its motion, and its channels, are taken where the
+        vector says the same of them."""
         motion = self._arm.moved_from(near.motion, vector) if near is not None else self._arm.move(vector)
         found: dict[str, Array] = {}
         rate = np.empty(0)
-        same_joint = near is not None and motion.joint is near.motion.joint
-        for which, name in enumerate(("joint_position", "joint_velocity")):
-            if name in self.channels:
-                found[name] = near.channels[name] if near and same_joint else self._seen_joint(motion, which)
-        if "deflection" in self.channels:
-            found["deflection"] = motion.deflection + vector[at["pair.offset"]]
-        if "acceleration" in self.channels:
-            found["acceleration"] = self._accelerometer.shown(motion, vector)
-        if "displacement" in self.channels:
-            found["displacement"], rate = self._camera.displacement(
-                motion, self._tip_of_joint_seen(motion, vector), vector
-            )
-        if "arrival" in self.channels:
-            found["arrival"] = self._camera.arrivals(vector)
+        for name in self.channels:
+            if near is not None and self._shows_the_same(name, motion, vector, near):
+                found[name] = near.channels[name]
+                rate = near.rate_px_s if name == "displacement" else rate
+            elif name == "displacement":
+                tip = self._tip_of_joint_seen(motion, vector)
+                found[name], rate = self._camera.displacement(motion, tip, vector)
+                self._add_terms(found, name, vector)
+            else:
+                found[name] = self._shown(name, motion, vector)
+                self._add_terms(found, name, vector)
+        return Predicted(found, rate, motion, vector.copy())
+
+    def _shown(self, name: str, motion: Motion, vector: Array) -> Array:
+        """What a channel should show, images aside, without terms that are added to it."""
+        if name == "joint_position":
+            return self._seen_joint(motion, 0)
+        if name == "joint_velocity":
+            return self._seen_joint(motion, 1)
+        if name == "deflection":
+            return np.asarray(motion.deflection + vector[self.space.place["pair.offset"]])
+        if name == "acceleration":
+            return self._accelerometer.shown(motion, vector)
+        return self._camera.arrivals(vector)
+
+    def _add_terms(self, found: dict[str, Array], name: str, vector: Array) -> None:
+        """Add to a channel the terms without a formula, in the vector's amounts."""
         for group in self.added:
-            amounts = vector[[at[name] for name in group.amounts]]
-            if amounts.any():
-                for name, columns in group.columns.items():
-                    if name in found:
-                        found[name] = found[name] + columns @ amounts
-        return Predicted(found, rate, motion)
+            if name in group.columns:
+                amounts = vector[[self.space.place[one] for one in group.amounts]]
+                if amounts.any():
+                    found[name] = found[name] + group.columns[name] @ amounts
+
+    def _shows_the_same(self, name: str, motion: Motion, vector: Array, near: Predicted) -> bool:
+        """Whether a channel shows the same of a motion and a vector as in another prediction."""
+        if name in JOINT_CHANNELS:
+            same = motion.joint is near.motion.joint
+        else:
+            same = motion is near.motion or name == "arrival"
+        own = self._own[name]
+        return same and bool((vector[own] == near.vector[own]).all())
 
     def residual(self, name: str, predicted: Predicted, vector: Array) -> Array:
         """A channel's measured values less those predicted, as the data are judged by."""

@@ -20,6 +20,7 @@ from stillarm.diagnosis.forms.catalogue import from_an_onset
 from stillarm.diagnosis.forms.cause import Form
 from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
 from stillarm.diagnosis.physics.copies import shared_out
+from stillarm.diagnosis.physics.space import Added
 from stillarm.diagnosis.search.begun import Begun, Ground, Pair, ground_of
 from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, beside_another
 from stillarm.diagnosis.search.onsets import sized, with_onset
@@ -258,8 +259,7 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
             continue
         form = by_cause[id(one.cause)]
         begun.append(Begun(form, one.world, one.start, one.trial.asked, _share_of(top, one)))
-    for further in tried:
-        terms = further.added(last) if further.added is not None else ()
+    for further, terms in _terms_of(last, tried):
         if terms:
             world = last.world.changed(added=(*last.world.added, *terms))
             begun.append(Begun(further, world, carried_over(last, world)))
@@ -270,6 +270,15 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
 
     known = [part for form, one in to_size for part in (form, one.world)]
     return [*begun, *shared_out(sets_in, to_size, known)], screening
+
+
+def _terms_of(last: Fit, tried: Sequence[Form]) -> list[tuple[Form, tuple[Added, ...]]]:
+    """The forms that need terms of their own, in order, each with these. What a law says of a fit is remembered by
+    this process, which works it out."""
+    further = [(one, one.added) for one in tried if one.added is not None]
+    others = [added for one, added in further if one.nats_of is None]
+    of_others = iter(shared_out(lambda added: added(last), others))
+    return [(one, next(of_others) if one.nats_of is None else added(last)) for one, added in further]
 
 
 def _share_of(top: float, one: Scored) -> float:
