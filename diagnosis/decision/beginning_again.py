@@ -11,7 +11,7 @@ from stillarm.diagnosis.forms.catalogue import forms
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.search.begun import ground_of
 from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, Stage
-from stillarm.diagnosis.search.comparison import hinted
+from stillarm.diagnosis.search.carried import hinted
 
 _LED_OUT = 3  # forms, from whose fits the baseline's is begun again
 _TOLD = 0.5  # of what is explainable beside a finding is left at most, where impacts tell most of it

@@ -23,6 +23,7 @@ from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
 from stillarm.diagnosis.fitting.rest import anything_but_spikes_matters
 from stillarm.diagnosis.forms.catalogue import forms
+from stillarm.diagnosis.forms.cause import Form
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.measured_joint import departure_hz
 from stillarm.diagnosis.physics.world import World
@@ -37,7 +38,8 @@ from stillarm.diagnosis.search.candidates import (
     of_law,
     turns_the_joint,
 )
-from stillarm.diagnosis.search.comparison import LEFT_OUT, compared, hinted
+from stillarm.diagnosis.search.carried import hinted, second_best
+from stillarm.diagnosis.search.comparison import LEFT_OUT, compared
 from stillarm.diagnosis.search.convincing import convinces, is_too_little, strays_beyond_stated
 from stillarm.diagnosis.search.refits import QUICK
 from stillarm.diagnosis.sensors.clocks import backward_steps
@@ -166,7 +168,10 @@ def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: 
                 judged_again |= {one.id for one in allowed if DECLARED[one.id].place == "timing"}
             allowed = [one for one in allowed if one.id in judged_again]
         if allowed:
-            screening, candidates = compared(last, allowed, split, found)
+            candidates = _second_best(found, allowed, split)
+            if all(anything_but_spikes_matters(one.fit, split) for one in candidates):
+                screening, compared_now = compared(last, allowed, split, found)
+                candidates += compared_now
         try:
             known = laws(make_data(last.world, split), last, found.laws)
             found.laws = (last, known)
@@ -175,6 +180,26 @@ def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: 
             found.left_out.append("laws of noise and timing")
     ranked = _best_that_convinces(candidates, last, split, beside=bool(found.findings))
     return _taken_of(Stage(screening, ranked, None), found, split)
+
+
+def _second_best(found: Found, allowed: Sequence[Form], split: Split) -> list[Candidate]:
+    """What convinced in the round before beside the one that it took, refitted beside that; none where that round took
+    a law, or looked at the drive alone."""
+    before = found.stages[-1] if found.stages else None
+    if (
+        before is None
+        or before.taken is None
+        or before.taken.law is not None
+        or _drive_alone_looked_at(found)
+    ):
+        return []
+    last, named = fit_before(found, before.taken), {one.id for one in allowed}
+    others = [
+        one
+        for one in before.candidates
+        if one.law is None and one.cause in named and convinces(one, last, split, beside=True)
+    ]
+    return second_best(found.final, others, allowed, split)
 
 
 def with_hint(stage: Stage | None, found: Found, split: Split) -> Stage | None:

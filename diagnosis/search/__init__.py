@@ -7,6 +7,7 @@ __all__ = [
     "baseline",
     "begun",
     "candidates",
+    "carried",
     "comparison",
     "convincing",
     "early_baseline",

@@ -23,6 +23,7 @@ from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.space import Added
 from stillarm.diagnosis.search.begun import Begun, Ground, Pair, ground_of
 from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, beside_another
+from stillarm.diagnosis.search.carried import hinted
 from stillarm.diagnosis.search.onsets import sized, with_onset
 from stillarm.diagnosis.search.refits import candidate_of, polished, refitted, throughout, to_the_end
 from stillarm.diagnosis.search.screen import Scored, screen
@@ -102,27 +103,6 @@ def compared(
     for one in candidates:
         one.fit.world.forget()
     return screening, _without_needless_walks(sorted(candidates, key=lambda one: -one.merit), last)
-
-
-def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form]) -> Candidate | None:
-    """A form that was found beside another baseline, fitted to the end from what it was there; None where that is not
-    possible here."""
-    last, there = ground.last, hint.fit.world
-    form = next((one for one in tried if (one.id, one.name) == (hint.cause, hint.form)), None)
-    if form is None:
-        return None
-    terms = form.added(last) if form.added is not None else ()
-    world = last.world.changed(
-        extra_modes=there.extra_modes,
-        behind_encoder=there.behind_encoder,
-        added=(*last.world.added, *terms),
-    )
-    if not set(hint.free) <= set(world.space.place):
-        return None
-    values = {name: hint.fit.value(name) for name in hint.free}
-    begun = Begun(form, world, world.space.with_values(carried_over(last, world), values))
-    fitted = refitted(ground, begun)
-    return None if fitted is None else candidate_of(ground, polished(ground, (begun, fitted)))
 
 
 def _says_which_are_near(hint: Hint, here: Candidate, split: Split) -> bool:

@@ -1,0 +1,39 @@
+"""What convinced in a round beside the one that it took, refitted beside that one."""
+
+import pytest
+
+from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.decision.explain import explain
+from stillarm.diagnosis.search.candidates import Found
+from stillarm.diagnosis.search.carried import second_best
+from tests.fixtures.synthetic import fitted, measured
+
+SECONDS = 20.0
+CAUSES = ("gravity_leakage", "cubic_stiffness", "tracking_drift", "lens_distortion")
+
+
+def explained(values: dict[str, float]) -> Found:
+    """What is found of these causes in a recording with these quantities."""
+    return explain(fitted(measured(SECONDS, 5, values)), interleaved(SECONDS), only=CAUSES)
+
+
+@pytest.mark.slow
+def test_where_the_second_best_explains_the_rest_no_form_is_compared_anew() -> None:
+    found = explained({"accelerometer.gravity_m_s2_per_rad": 5.0, "arm.cubic_per_m2": 10.0})
+    assert {one.cause for one in found.findings} == {"gravity_leakage", "cubic_stiffness"}
+    assert found.final.value("arm.cubic_per_m2") == pytest.approx(10.0, rel=0.1)
+    assert found.stages[1].taken is not None
+    assert found.stages[1].screening == []
+
+
+@pytest.mark.slow
+def test_where_the_second_best_leave_something_all_forms_are_compared() -> None:
+    """A hum is left, of a cause that is not looked for."""
+    hum = {"accelerometer.hum_hz": 50.0, "accelerometer.hum_sin": 2.0}
+    found = explained({"accelerometer.gravity_m_s2_per_rad": 5.0, "arm.cubic_per_m2": 10.0} | hum)
+    assert found.findings
+    assert found.stages[1].screening
+
+
+def test_without_a_second_best_nothing_is_refitted() -> None:
+    assert second_best(fitted(measured(2.0, 5)), [], (), interleaved(2.0)) == []
