@@ -14,8 +14,9 @@ from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.search.begun import Begun, Ground, ground_of
 from stillarm.diagnosis.search.candidates import Candidate
-from stillarm.diagnosis.search.refits import candidate_of, polished, refitted
+from stillarm.diagnosis.search.refits import TO_REST, candidate_of, polished, refitted
 
+_STEPS = 8  # twice those of a quick fit: what is taken is fitted until no step gains anything
 _SECOND_BEST = 4  # causes: the best two and two rivals, on as many processors as there are
 
 
@@ -30,7 +31,7 @@ def second_best(
 
     def carried(one: Candidate) -> Candidate | None:
         try:
-            return hinted(ground, one, tried)
+            return hinted(ground, one, tried, _STEPS)
         except OutOfTime:
             return None
 
@@ -39,9 +40,9 @@ def second_best(
     return sorted((one for one in found if one is not None), key=lambda one: -one.merit)
 
 
-def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form]) -> Candidate | None:
-    """A form that was found beside another baseline, fitted to the end from what it was there; None where that is not
-    possible here."""
+def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form], steps: int = TO_REST) -> Candidate | None:
+    """A form that was found beside another baseline, fitted from what it was there, in so many steps with all
+    derivatives at most; None where that is not possible here."""
     last, there = ground.last, hint.fit.world
     form = next((one for one in tried if (one.id, one.name) == (hint.cause, hint.form)), None)
     if form is None:
@@ -57,4 +58,4 @@ def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form]) -> Candidate 
     values = {name: hint.fit.value(name) for name in hint.free}
     begun = Begun(form, world, world.space.with_values(carried_over(last, world), values))
     fitted = refitted(ground, begun)
-    return None if fitted is None else candidate_of(ground, polished(ground, (begun, fitted)))
+    return None if fitted is None else candidate_of(ground, polished(ground, (begun, fitted), steps))

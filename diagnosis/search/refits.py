@@ -18,7 +18,7 @@ from stillarm.diagnosis.search.onsets import with_onset_settled
 Array = NDArray[np.float64]
 
 QUICK = 4  # steps of a fit
-_TO_REST = 40
+TO_REST = 40
 """Of a fit that is to settle, at most: what an impact sets off in modes that the images alone show is told by few of
 them, so that such a fit goes along a valley for thirty steps."""
 _MOST_TRIALS = 40  # of a search along a quantity
@@ -76,16 +76,15 @@ def to_the_end(ground: Ground, pair: Pair) -> tuple[Begun, Fit | None]:
     return one, ended if one.form.cause.possible(ended) else None
 
 
-def polished(ground: Ground, pair: Pair) -> Pair:
-    """The same with all derivatives worked out where it is, and an onset sought to the end."""
+def polished(ground: Ground, pair: Pair, steps: int = TO_REST) -> Pair:
+    """The same with all derivatives worked out where it is, in so many steps at most, and an onset sought to the
+    end."""
     (one, fitted), last = pair, ground.last
     data = make_data(one.world, ground.split)
     if one.form.begins is not None:
         fitted = with_onset_settled(ground, one.form.begins, fitted, data)
     settled = settled_nats(fitted, last)
-    ended = fit(
-        data, fitted.vector, fitted.free, iterations=_TO_REST, colour=last.colour, settled_nats=settled
-    )
+    ended = fit(data, fitted.vector, fitted.free, iterations=steps, colour=last.colour, settled_nats=settled)
     return one, ended
 
 
