@@ -45,6 +45,7 @@ from stillarm.diagnosis.forms.courses import (
 from stillarm.diagnosis.forms.delay_walk import FORM as DELAY_WALK
 from stillarm.diagnosis.forms.image_walk import FORM as IMAGE_WALK
 from stillarm.diagnosis.forms.overtones import FORM as OVERTONES
+from stillarm.diagnosis.forms.queued_images import FORM as QUEUED_IMAGES
 from stillarm.diagnosis.forms.swelling_hum import FORM as SWELLING_HUM
 from stillarm.diagnosis.forms.tilted_sensor import FORM as TILTED_SENSOR
 from stillarm.diagnosis.forms.wandering_force import FORM as WANDERING_FORCE
@@ -269,6 +270,7 @@ _FURTHER: tuple[Form, ...] = (
     WANDERING_FORCE,
     of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", delay_std, 3.0),
     DELAY_WALK,
+    QUEUED_IMAGES,
     of_terms("camera_tilt_coupling", "along an arc", has("displacement"), "arc", arc_values, arc_terms),
     of_terms("camera_tilt_coupling", "with the joint alone", has("displacement"), "tilt", tilt_values, tilt_terms),
     of_terms("lens_distortion", "about a centre", has("displacement"), "lens", lens_values, lens_terms),

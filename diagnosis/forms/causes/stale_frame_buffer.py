@@ -24,17 +24,19 @@ def _values(fit: Fit) -> Values:
     return plain(fit, onset_s="timing.stale_onset_s", frames="timing.stale_frames")
 
 
-_WHOLE = 0.02  # frames: to which the fit's own doubt of a whole number is not believed
+WHOLE = 0.02
+"""Frames: to which the fit's own doubt of a whole number is not believed."""
 
 
 def _unwhole(fit: Fit) -> float:
     """A buffer holds whole frames, at least one."""
     frames = fit.value("timing.stale_frames")
-    doubt = max(fit.std.get("timing.stale_frames", 0.0), _WHOLE)
+    doubt = max(fit.std.get("timing.stale_frames", 0.0), WHOLE)
     return min(0.5 * ((frames - max(round(frames), 1)) / doubt) ** 2, MOST_PENALTY_NATS)
 
 
-_LEAST_FRAMES = 0.5  # a buffer holds whole images: what is nearer to none is another kind of lateness
+LEAST_FRAMES = 0.5
+"""A buffer holds whole images: what is nearer to none is another kind of lateness."""
 
 
 CAUSE = Cause(
@@ -42,7 +44,7 @@ CAUSE = Cause(
     needs=has("displacement"),
     trials=_trials,
     free=free_of("timing.stale_frames"),
-    possible=lambda fit: abs(fit.value("timing.stale_frames")) > _LEAST_FRAMES,
+    possible=lambda fit: abs(fit.value("timing.stale_frames")) > LEAST_FRAMES,
     parameters_of=_values,
     settle={"timing.stale_onset_s": 0.5},
     prior_penalty=_unwhole,
