@@ -40,6 +40,9 @@ _SHORTEST_S, _LONGEST_S = 0.25, 8.0  # a push is shorter; nothing longer is look
 _ONE_SIDED = 0.5  # of the departure's power beyond the noise is its mean's: a swing has none
 _STRAYING = 0.5  # of the usual departure, that is left once images are seen from where they are for longer than a pull
 _MOST = 0.3  # of the recording, that pulls leave unjudged: of more none is believed
+_FURTHER = 3.0  # times the departure elsewhere: what stands out so is something of its own
+_AT_NOISE = 1.5  # times the white noise: a rest below it has no effect in it that counts
+_CLEARER = 0.8  # of the departure elsewhere, that is left of it: two fifths of its power were the span's
 
 # a push
 _PUSHED = ("acceleration", "displacement")  # channels that show it
@@ -74,8 +77,39 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
             if not any(a <= i * cycle_s < b - 2.0 * cycle_s for a, b in spans)
         }
         world = baseline.world.changed(impacts=tuple(sorted(kept | ends)), unjudged_s=tuple(unjudged_s))
-        baseline = fit_with_impacts(world, split, carried_over(baseline, world))
+        begun = carried_over(baseline, world)
+        if not _stand_out(spans, baseline):
+            names = world.baseline_names()
+            without = fit(make_data(world, split), begun, names, iterations=WHILE_SOUGHT, anew=ANEW)
+            if not _tells_the_rest(without, baseline):
+                break
+        baseline = fit_with_impacts(world, split, begun)
     return baseline
+
+
+def _stand_out(spans: Sequence[tuple[float, float]], last: Fit) -> bool:
+    """Whether the images depart from the model further in some spans than they do elsewhere. Without images a span is
+    taken as it is."""
+    images = last.channel("displacement")
+    if images is None:
+        return True
+    time = last.world.instants(last.vector)
+    inside = np.zeros(len(time), bool)
+    for start, end in spans:
+        inside |= (time >= start) & (time < end)
+    rms = [float(np.nanmean(images.off[part] ** 2)) ** 0.5 for part in (inside, ~inside)]
+    return bool(rms[0] > _FURTHER * rms[1])
+
+
+def _tells_the_rest(without: Fit, before: Fit) -> bool:
+    """Whether the images are told to their noise once some spans are left out, or plainly better than before: where
+    they depart elsewhere just as they did, it was nothing in these spans."""
+    now, then = without.channel("displacement"), before.channel("displacement")
+    if now is None or then is None:
+        return True
+    both = np.isfinite(now.residual) & np.isfinite(then.residual)
+    left, was = (float(np.mean(one.residual[both] ** 2)) ** 0.5 for one in (now, then))
+    return bool(left < max(_AT_NOISE * white_noise(now.residual), _CLEARER * was))
 
 
 def _is_a_move(span: tuple[float, float], last: Fit) -> bool:

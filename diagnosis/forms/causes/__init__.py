@@ -10,7 +10,7 @@ from pkgutil import iter_modules
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.forms.cause import Cause, declared_cause
 
-__all__ = ["CAUSES", "camera_clock_skew", "mains_hum"]
+__all__ = ["CAUSES", "camera_clock_skew", "clock_step", "mains_hum", "stale_frame_buffer"]
 
 _OF_CHANCE = ("impulse", "burst", "loss")
 _OWN_SEARCH = {module.name for module in iter_modules(__path__)}

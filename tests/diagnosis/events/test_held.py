@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.events import pulls as module
 from stillarm.diagnosis.events.held import bend, held_spans_s
 from stillarm.diagnosis.events.impacts import fit_with_impacts
 from stillarm.diagnosis.events.pulls import without_pulls
@@ -109,6 +110,21 @@ def test_a_slow_course_of_the_images_without_a_release_is_no_pull() -> None:
     strayed = data.frames.displacement_px + 8.0 * np.sin(2.0 * pi * 0.08 * time)
     data = replace(data, frames=replace(data.frames, displacement_px=strayed))
     assert held_spans_s(fit_with_impacts(World(data, MODEL), SPLIT)) == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("wrong_everywhere", "left_out"), [(True, False), (False, True)])
+def test_a_span_is_believed_if_the_images_are_told_elsewhere(
+    monkeypatch: pytest.MonkeyPatch, wrong_everywhere: bool, left_out: bool
+) -> None:
+    """A lens that bends all images bends those of any span as well."""
+    span = (6.0, 8.5)
+    data = measured(SECONDS, 3, {"camera.lens_per_px2": 2e-4} if wrong_everywhere else {})
+    monkeypatch.setattr(module, "held_spans_s", lambda last: () if last.world.unjudged_s else (span,))
+    monkeypatch.setattr(module, "pull_spans_s", lambda last: ())
+    world = World(data, MODEL)
+    plain = fit(make_data(world, SPLIT), world.space.vector(), world.baseline_names())
+    assert (without_pulls(plain, SPLIT).world.unjudged_s == (span,)) is left_out
 
 
 def test_without_images_nothing_is_seen() -> None:
