@@ -41,6 +41,9 @@ whatever the odds against the others."""
 _UNCOMPARED = 0.7
 """The most that a name is sure where the time did not suffice to hold free terms against it: of ten such names seven
 were right (seeds 120 and 122, and the strangers': docs/benchmark-diagnosis.md; rule of succession)."""
+_TOLD_UNCOMPARED = 0.75
+"""Of what is explainable, that such a name has to explain: less leaves as much to a law without a name as the name itself
+has beyond what suffices (EXPLAINED)."""
 _TIE = 0.02  # of a finding's nats: a rival that lacks less is as good, as no formula is quite the true one
 _CHANNEL_OF = {"accelerometer": "acceleration", "camera": "displacement"}
 _SHARPNESS = 10.0  # of the change from one verdict to the other
@@ -96,7 +99,8 @@ def judge(found: Found, split: Split) -> Judged:
         return Judged(verdict, rests, beside, alone, {}, tuple(left_out))
     named = _odds_of_name(found, first, split, beside, alone)
     if left_out and first.law is None:
-        named = min(named, _UNCOMPARED)
+        share = share_explained(first, fit_before(found, first), split, final=found.final)
+        named = min(named, _UNCOMPARED if share > _TOLD_UNCOMPARED else 1.0 - _UNCOMPARED)
     unnamed = "unexplained" if mattered or material else "none"
     verdict = "named" if named > 0.5 and len(class_of(found, first)) <= 1 else unnamed
     confidence = {

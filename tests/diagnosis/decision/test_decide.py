@@ -23,6 +23,7 @@ from stillarm.diagnosis.decision.decide import (
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.rest import Rest, explainable
 from stillarm.diagnosis.forms.freeform import Free
+from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.space import Added
 from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
 from tests.fixtures.synthetic import fitted, measured, with_rest
@@ -120,6 +121,24 @@ def test_free_terms_are_asked_where_nothing_matters(
     found = Found(arm, first.fit, [first])
     found.stages.append(Stage([], [first], first))
     assert judge(found, SPLIT).verdict == ("named" if named else "none")
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.9, "named"), (0.6, "unexplained")])
+def test_without_time_for_free_terms_a_name_has_to_explain_most(
+    arm: Fit, monkeypatch: pytest.MonkeyPatch, share: float, verdict: str
+) -> None:
+    def no_time(*_: object) -> None:
+        raise OutOfTime
+
+    first = replace(_candidate("cubic_stiffness", 500.0), fit=arm)
+    found = Found(arm, arm, [first])
+    found.stages.append(Stage([], [first], first))
+    monkeypatch.setattr(decide, "best_free", no_time)
+    monkeypatch.setattr(decide, "anything_matters", lambda *_: True)
+    monkeypatch.setattr(decide, "share_explained", lambda *_, **__: share)
+    judged = judge(found, SPLIT)
+    assert judged.left_out == ("structure without a name",)
+    assert judged.verdict == verdict
 
 
 def test_what_others_explain_is_none_of_what_a_finding_lacks(arm: Fit) -> None:
