@@ -93,12 +93,13 @@ def _stand_out(spans: Sequence[tuple[float, float]], last: Fit) -> bool:
     images = last.channel("displacement")
     if images is None:
         return True
-    time = last.world.instants(last.vector)
+    known = np.isfinite(images.off)
+    time, off = last.world.instants(last.vector)[known], images.off[known]
     inside = np.zeros(len(time), bool)
     for start, end in spans:
         inside |= (time >= start) & (time < end)
-    rms = [float(np.nanmean(images.off[part] ** 2)) ** 0.5 for part in (inside, ~inside)]
-    return bool(rms[0] > _FURTHER * rms[1])
+    rms = [float(np.mean(off[part] ** 2)) ** 0.5 if part.any() else 0.0 for part in (inside, ~inside)]
+    return rms[0] > _FURTHER * rms[1]
 
 
 def _tells_the_rest(without: Fit, before: Fit) -> bool:
@@ -108,8 +109,11 @@ def _tells_the_rest(without: Fit, before: Fit) -> bool:
     if now is None or then is None:
         return True
     both = np.isfinite(now.residual) & np.isfinite(then.residual)
+    if not both.any():
+        return True
     left, was = (float(np.mean(one.residual[both] ** 2)) ** 0.5 for one in (now, then))
-    return bool(left < max(_AT_NOISE * white_noise(now.residual), _CLEARER * was))
+    told: bool = left < max(_AT_NOISE * white_noise(now.residual), _CLEARER * was)
+    return told
 
 
 def _is_a_move(span: tuple[float, float], last: Fit) -> bool:

@@ -18,7 +18,7 @@ from stillarm.diagnosis.events.pulls import without_pulls
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.physics.world import World
-from tests.fixtures.synthetic import MODEL, NOISE, measured
+from tests.fixtures.synthetic import MODEL, NOISE, fitted, measured
 
 SECONDS, SPLIT = 24.0, interleaved(24.0)
 HZ, DAMPING = MODEL.arm.modes[0].frequency_hz, MODEL.arm.modes[0].damping_ratio
@@ -125,6 +125,15 @@ def test_a_span_is_believed_if_the_images_are_told_elsewhere(
     world = World(data, MODEL)
     plain = fit(make_data(world, SPLIT), world.space.vector(), world.baseline_names())
     assert (without_pulls(plain, SPLIT).world.unjudged_s == (span,)) is left_out
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_span_in_which_no_image_was_taken_does_not_stand_out() -> None:
+    data, span = measured(SECONDS, 3), (6.0, 8.5)
+    time = data.frames.received_s
+    px = np.where((time > span[0]) & (time < span[1] + 1.0), np.nan, data.frames.displacement_px)
+    last = fitted(replace(data, frames=replace(data.frames, displacement_px=px)))
+    assert not module._stand_out([span], last)
 
 
 def test_without_images_nothing_is_seen() -> None:
