@@ -42,8 +42,8 @@ _UNCOMPARED = 0.7
 """The most that a name is sure where the time did not suffice to hold free terms against it: of ten such names seven
 were right (seeds 120 and 122, and the strangers': docs/benchmark-diagnosis.md; rule of succession)."""
 _TOLD_UNCOMPARED = 0.75
-"""Of what is explainable, that such a name has to explain: less leaves as much to a law without a name as the name itself
-has beyond what suffices (EXPLAINED)."""
+"""Of what is explainable, that such a name has to explain: less leaves as much to a law without a name as the name
+itself has beyond what suffices (EXPLAINED)."""
 _TIE = 0.02  # of a finding's nats: a rival that lacks less is as good, as no formula is quite the true one
 _CHANNEL_OF = {"accelerometer": "acceleration", "camera": "displacement"}
 _SHARPNESS = 10.0  # of the change from one verdict to the other
