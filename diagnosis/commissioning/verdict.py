@@ -10,6 +10,7 @@ from stillarm.common.files.model import Commissioned, Model
 from stillarm.diagnosis.calibration.calibrate import Calibration
 from stillarm.diagnosis.calibration.start_values import STILL_RAD_S
 from stillarm.diagnosis.data.measured import Measured
+from stillarm.diagnosis.fitting.departures import stretches
 
 _KNOWN_TO = {  # relative deviations at most
     "arm.modes[0].frequency_hz": 0.005,
@@ -21,6 +22,7 @@ _KNOWN_TO = {  # relative deviations at most
 _DELAY_KNOWN_TO_PERIODS = 0.05
 _LEFT = 1.6  # of a channel's noise at rest, as rms: beyond, something moves that the model does not have
 _LEFT_SHARE = 0.03  # of the motion: less than that is not worth a refusal
+_MISSED_S = 0.02  # of cycles in a row: no drive's watchdog lets go within less
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,11 @@ def judge(found: Calibration, measured: Measured) -> CommissioningVerdict:
         f"image {model.camera.scale_px_per_m:+.4g} px/m, accelerometer x {model.accelerometer.scale:+.3g}, "
         f"images {1e3 * model.timing.capture_delay_s:.0f} ms late"
     )
+    if doubts and (missed_s := _missed_while_moving(measured)) > 0.0:
+        doubts.append(
+            f"the controller missed its cycles for {missed_s:.2g} s while the joint moved, and nothing tells what the "
+            "drive did then: close other programs, and commission again"
+        )
     if doubts:
         return CommissioningVerdict(False, f"not good enough to damp by ({line}): {'; '.join(doubts)}")
     return CommissioningVerdict(True, f"good to damp by: {line}")
@@ -93,6 +100,15 @@ def _left_over(found: Calibration, measured: Measured) -> list[str]:
                 "`stillarm diagnose` on the recording names the cause"
             )
     return doubts
+
+
+def _missed_while_moving(measured: Measured) -> float:
+    """For how long rows are missing, some in a row each time, where the joint was told to move, s."""
+    missing = np.isnan(measured.acceleration) & np.isnan(measured.position) & np.isnan(measured.velocity)
+    moving = np.abs(np.nan_to_num(measured.command)) > STILL_RAD_S
+    least = _MISSED_S / measured.cycle_s
+    spans = [(begin, end) for begin, end in stretches(missing) if end - begin >= least]
+    return measured.cycle_s * sum(end - begin for begin, end in spans if moving[begin:end].any())
 
 
 def marked(model: Model, found: Calibration, date: str, recording: str) -> Model:
