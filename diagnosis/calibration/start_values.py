@@ -28,7 +28,7 @@ from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
 Span = tuple[float, float]
-STILL_RAD_S = 1e-6
+_STILL_RAD_S = 1e-6
 _SETTLE_S = 0.25  # after a command's end, until the joint stands
 _SHORTEST_S = 0.8
 _DELAYS_S = np.arange(0.0, 0.3, 0.002)
@@ -44,9 +44,14 @@ class Start:
     moved: bool
 
 
+def commanded(measured: Measured) -> NDArray[np.bool_]:
+    """Whether the joint was told to move at all, at each cycle, (cycles,)."""
+    return np.asarray(np.abs(np.nan_to_num(measured.command)) > _STILL_RAD_S)
+
+
 def still_spans(measured: Measured, settle_s: float = _SETTLE_S) -> list[Span]:
     """From and to, s, where the joint was told to stand, and does."""
-    moving = np.abs(np.nan_to_num(measured.command)) > STILL_RAD_S
+    moving = commanded(measured)
     edges = np.flatnonzero(np.diff(np.concatenate(([True], moving, [True]))))
     spans = []
     for first, last in zip(edges[::2], edges[1::2], strict=True):
@@ -58,7 +63,7 @@ def still_spans(measured: Measured, settle_s: float = _SETTLE_S) -> list[Span]:
 
 def moving_spans(measured: Measured, after_s: float) -> list[Span]:
     """Windows about the moves, `after_s` of free vibration with each; those that touch are one."""
-    moving = np.flatnonzero(np.abs(np.nan_to_num(measured.command)) > STILL_RAD_S)
+    moving = np.flatnonzero(commanded(measured))
     if not len(moving):
         return []
     gaps = np.flatnonzero(np.diff(moving) * measured.cycle_s > _BEFORE_S)
@@ -120,11 +125,7 @@ def _with_frame_rate(measured: Measured, model: Model) -> Model:
 def _with_drive(measured: Measured, model: Model) -> Model:
     """Bandwidth and dead time that bring the simulated joint nearest to the reported one."""
     known = np.isfinite(measured.position)
-    if (
-        measured.imposed
-        or known.sum() < 50
-        or not np.any(np.abs(np.nan_to_num(measured.command)) > STILL_RAD_S)
-    ):
+    if measured.imposed or known.sum() < 50 or not commanded(measured).any():
         return model
     world = World(measured, model)
     at = world.space.place

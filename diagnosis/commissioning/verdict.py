@@ -8,7 +8,7 @@ import numpy as np
 
 from stillarm.common.files.model import Commissioned, Model
 from stillarm.diagnosis.calibration.calibrate import Calibration
-from stillarm.diagnosis.calibration.start_values import STILL_RAD_S
+from stillarm.diagnosis.calibration.start_values import commanded
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.fitting.departures import stretches
 
@@ -81,7 +81,7 @@ def _vague(found: Calibration) -> list[str]:
 def _left_over(found: Calibration, measured: Measured) -> list[str]:
     """Channels of which the free run leaves more than noise, against the noise before the first move."""
     world = found.fit.world
-    moving = np.flatnonzero(np.abs(np.nan_to_num(measured.command)) > STILL_RAD_S)
+    moving = np.flatnonzero(commanded(measured))
     quiet_s = (moving[0] if len(moving) else measured.cycles) * measured.cycle_s
     doubts = []
     for name in ("acceleration", "displacement", "deflection"):
@@ -105,7 +105,7 @@ def _left_over(found: Calibration, measured: Measured) -> list[str]:
 def _missed_while_moving(measured: Measured) -> float:
     """For how long rows are missing, some in a row each time, where the joint was told to move, s."""
     missing = np.isnan(measured.acceleration) & np.isnan(measured.position) & np.isnan(measured.velocity)
-    moving = np.abs(np.nan_to_num(measured.command)) > STILL_RAD_S
+    moving = commanded(measured)
     least = _MISSED_S / measured.cycle_s
     spans = [(begin, end) for begin, end in stretches(missing) if end - begin >= least]
     return measured.cycle_s * sum(end - begin for begin, end in spans if moving[begin:end].any())

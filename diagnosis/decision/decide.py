@@ -97,10 +97,7 @@ def judge(found: Found, split: Split) -> Judged:
     if first is None:
         verdict = "unexplained" if material else "none"
         return Judged(verdict, rests, beside, alone, {}, tuple(left_out))
-    named = _odds_of_name(found, first, split, beside, alone)
-    if left_out and first.law is None:
-        share = share_explained(first, fit_before(found, first), split, final=found.final)
-        named = min(named, _UNCOMPARED if share > _TOLD_UNCOMPARED else 1.0 - _UNCOMPARED)
+    named = _odds_of_name(found, first, split, beside, alone, compared=not left_out)
     unnamed = "unexplained" if mattered or material else "none"
     verdict = "named" if named > 0.5 and len(class_of(found, first)) <= 1 else unnamed
     confidence = {
@@ -129,9 +126,15 @@ def _changes_structure(one: Candidate, before: Fit) -> bool:
 
 
 def _odds_of_name(
-    found: Found, first: Candidate, split: Split, beside: Free | None, alone: Free | None
+    found: Found,
+    first: Candidate,
+    split: Split,
+    beside: Free | None,
+    alone: Free | None,
+    compared: bool = True,
 ) -> float:
-    """Probability that the first finding is what it is called, rather than a part of something without a name."""
+    """Probability that the first finding is what it is called, rather than a part of something without a name.
+    compared: whether free terms were held against it."""
     if first.law is not None:
         return _OF_LAWS
     share = share_explained(first, fit_before(found, first), split, final=found.final)
@@ -143,7 +146,10 @@ def _odds_of_name(
         _SHARPNESS * (free - 0.5),
         2.0 * _SHARPNESS * (ahead + (0.0 if is_of_free_form(first, found.baseline) else _RIVAL)),
     )
-    return _logistic(min((*doubts, _doubt_of_course(found, first, split))))
+    odds = _logistic(min((*doubts, _doubt_of_course(found, first, split))))
+    if compared:
+        return odds
+    return min(odds, _UNCOMPARED if share > _TOLD_UNCOMPARED else 1.0 - _UNCOMPARED)
 
 
 def _doubt_of_course(found: Found, first: Candidate, split: Split) -> float:

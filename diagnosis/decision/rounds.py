@@ -185,20 +185,11 @@ def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: 
 def _second_best(found: Found, allowed: Sequence[Form], split: Split) -> list[Candidate]:
     """What convinced in the round before beside the one that it took, refitted beside that; none where that round took
     a law, or looked at the drive alone."""
-    before = found.stages[-1] if found.stages else None
-    if (
-        before is None
-        or before.taken is None
-        or before.taken.law is not None
-        or _drive_alone_looked_at(found)
-    ):
+    taken = found.stages[-1].taken if found.stages else None
+    if taken is None or taken.law is not None or _drive_alone_looked_at(found):
         return []
-    last, named = fit_before(found, before.taken), {one.id for one in allowed}
-    others = [
-        one
-        for one in before.candidates
-        if one.law is None and one.cause in named and convinces(one, last, split, beside=True)
-    ]
+    named = {one.id for one in allowed}
+    others = [one for one in _convincing_before(found, split) if one.cause in named]
     return second_best(found.final, others, allowed, split)
 
 
@@ -292,17 +283,20 @@ def _arrivals_stray(last: Fit) -> bool:
 def _convincing_elsewhere(found: Found, split: Split) -> set[str]:
     """Causes that convinced in the round before, beside the one that was taken, and act elsewhere: what that
     one mends is none of theirs. They are judged again where nothing else is left that matters."""
+    taken = found.stages[-1].taken
+    if taken is None:
+        return set()
+    place = DECLARED[taken.cause].place
+    return {one.cause for one in _convincing_before(found, split) if DECLARED[one.cause].place != place}
+
+
+def _convincing_before(found: Found, split: Split) -> list[Candidate]:
+    """The candidates that convinced in the round before, beside the one that it took, laws aside, the best first."""
     stage = found.stages[-1]
     if stage.taken is None:
-        return set()
-    place, before = DECLARED[stage.taken.cause].place, fit_before(found, stage.taken)
-    return {
-        one.cause
-        for one in stage.candidates
-        if DECLARED[one.cause].place != place
-        and one.law is None
-        and convinces(one, before, split, beside=True)
-    }
+        return []
+    before = fit_before(found, stage.taken)
+    return [one for one in stage.candidates if one.law is None and convinces(one, before, split, beside=True)]
 
 
 def _joint_alone(last: Fit, split: Split) -> Fit:

@@ -7,6 +7,7 @@ model about that impact, and nowhere near it. From the end of either the arm rin
 """
 
 from collections.abc import Iterable, Sequence
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,15 +106,11 @@ def _stand_out(spans: Sequence[tuple[float, float]], last: Fit) -> bool:
 def _tells_the_rest(without: Fit, before: Fit) -> bool:
     """Whether the images are told to their noise once some spans are left out, or plainly better than before: where
     they depart elsewhere just as they did, it was nothing in these spans."""
-    now, then = without.channel("displacement"), before.channel("displacement")
-    if now is None or then is None:
+    seen, images = _power_where_both(without, before), without.channel("displacement")
+    if seen is None or images is None:
         return True
-    both = np.isfinite(now.residual) & np.isfinite(then.residual)
-    if not both.any():
-        return True
-    left, was = (float(np.mean(one.residual[both] ** 2)) ** 0.5 for one in (now, then))
-    told: bool = left < max(_AT_NOISE * white_noise(now.residual), _CLEARER * was)
-    return told
+    _, left, was = seen
+    return sqrt(left) < max(_AT_NOISE * white_noise(images.residual), _CLEARER * sqrt(was))
 
 
 def _is_a_move(span: tuple[float, float], last: Fit) -> bool:
@@ -197,13 +194,23 @@ def _seen_about(baseline: Fit, struck: float, period: float) -> tuple[float, flo
 
 def _nats_where_both(found: Fit, before: Fit) -> float:
     """By how much likelier a fit makes the images that both judge, their noise level unknown."""
+    seen = _power_where_both(found, before)
+    if seen is None:
+        return 0.0
+    many, power, power_before = seen
+    return 0.5 * many * float(np.log(power_before / max(power, 1e-300)))
+
+
+def _power_where_both(found: Fit, before: Fit) -> tuple[int, float, float] | None:
+    """How many images both fits judge, and the mean square that each leaves of them, px^2; None where none is."""
     now, then = found.channel("displacement"), before.channel("displacement")
     if now is None or then is None:
-        return 0.0
+        return None
     off, was = now.residual, then.residual
     both = np.isfinite(off) & np.isfinite(was)
-    power, power_before = float(np.mean(off[both] ** 2)), float(np.mean(was[both] ** 2))
-    return 0.5 * int(both.sum()) * float(np.log(power_before / max(power, 1e-300)))
+    if not both.any():
+        return None
+    return int(both.sum()), float(np.mean(off[both] ** 2)), float(np.mean(was[both] ** 2))
 
 
 def _left_out(baseline: Fit, spans: Sequence[tuple[float, float]], split: Split, quick: bool = False) -> Fit:

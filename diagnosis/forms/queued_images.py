@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from stillarm.diagnosis.fitting.fitted import Fit
-from stillarm.diagnosis.forms.cause import MOST_PENALTY_NATS, Form, Values, plain
+from stillarm.diagnosis.forms.cause import Form, Values, plain
 from stillarm.diagnosis.forms.causes.clock_step import CAUSE as CLOCK_STEP
-from stillarm.diagnosis.forms.causes.stale_frame_buffer import LEAST_FRAMES, WHOLE
+from stillarm.diagnosis.forms.causes.stale_frame_buffer import LEAST_FRAMES, unwhole
 from stillarm.diagnosis.physics.world import World
 
 _ONSET, _STEP = "timing.step_onset_s", "timing.step_s"
@@ -28,12 +28,6 @@ def _frames(fit: Fit) -> tuple[float, float]:
     return fit.value(_STEP) * rate_hz, fit.std.get(_STEP, 0.0) * rate_hz
 
 
-def _unwhole(fit: Fit) -> float:
-    """A buffer holds whole frames."""
-    frames, std = _frames(fit)
-    return min(0.5 * ((frames - max(round(frames), 1)) / max(std, WHOLE)) ** 2, MOST_PENALTY_NATS)
-
-
 def _values(fit: Fit) -> Values:
     frames, _ = _frames(fit)
     return plain(fit, onset_s=_ONSET) | {"frames": (float(max(round(frames), 1)), 0.0)}
@@ -45,7 +39,7 @@ FORM = Form(
         id="stale_frame_buffer",
         needs=_needs,
         parameters_of=_values,
-        prior_penalty=_unwhole,
+        prior_penalty=lambda fit: unwhole(*_frames(fit)),
         possible=lambda fit: _frames(fit)[0] > LEAST_FRAMES,
     ),
     "by the arrivals",

@@ -6,7 +6,7 @@ again was there to another amount. Effects that are but another value of a key a
 Lost frames, bursts, spikes and steps of a clock come by chance: no simulation foretells them, and they are found anew.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cache
 from math import atan2, cos, hypot, isnan, sin, sqrt
 from typing import Any
@@ -58,22 +58,20 @@ def quantity_of(cause: str, parameter: str) -> str:
 
 def own_quantities() -> list[Quantity]:
     """Of causes that stand in the vector at names of their own, as their declarations have them."""
-    return [
-        _own_quantity(cause.identifier, one)
-        for cause in LAWS.values()
-        if cause.acts in _FITTED and cause.identifier not in _QUANTITIES.keys() | _OWN_WAY
-        for one in cause.numbers
-    ]
+    return [_own_quantity(cause, one) for cause, one in _own_numbers(_FITTED)]
 
 
 def own_names(*acts: Acts) -> frozenset[str]:
     """The names of their own at which the numbers of causes that act at some sites stand in the vector."""
-    return frozenset(
-        quantity_of(cause.identifier, one.name)
-        for cause in LAWS.values()
-        if cause.acts in acts and cause.identifier not in _QUANTITIES.keys() | _OWN_WAY
-        for one in cause.numbers
-    )
+    return frozenset(quantity_of(cause, one.name) for cause, one in _own_numbers(acts))
+
+
+def _own_numbers(acts: Collection[Acts]) -> Iterator[tuple[str, Parameter]]:
+    """The numbers that stand at names of their own, each with its cause's identifier."""
+    for cause in LAWS.values():
+        if cause.acts in acts and cause.identifier not in _QUANTITIES.keys() | _OWN_WAY:
+            for one in cause.numbers:
+                yield cause.identifier, one
 
 
 def _own_quantity(cause: str, one: Parameter) -> Quantity:

@@ -253,18 +253,17 @@ class World:
         vector says the same of them."""
         motion = self._arm.moved_from(near.motion, vector) if near is not None else self._arm.move(vector)
         found: dict[str, Array] = {}
-        rate = np.empty(0)
+        rate = np.empty(0) if near is None else near.rate_px_s
         for name in self.channels:
             if near is not None and self._shows_the_same(name, motion, vector, near):
                 found[name] = near.channels[name]
-                rate = near.rate_px_s if name == "displacement" else rate
-            elif name == "displacement":
+                continue
+            if name == "displacement":
                 tip = self._tip_of_joint_seen(motion, vector)
-                found[name], rate = self._camera.displacement(motion, tip, vector)
-                self._add_terms(found, name, vector)
+                shown, rate = self._camera.displacement(motion, tip, vector)
             else:
-                found[name] = self._shown(name, motion, vector)
-                self._add_terms(found, name, vector)
+                shown = self._shown(name, motion, vector)
+            found[name] = self._with_terms(name, shown, vector)
         return Predicted(found, rate, motion, vector.copy())
 
     def _shown(self, name: str, motion: Motion, vector: Array) -> Array:
@@ -279,13 +278,14 @@ class World:
             return self._accelerometer.shown(motion, vector)
         return self._camera.arrivals(vector)
 
-    def _add_terms(self, found: dict[str, Array], name: str, vector: Array) -> None:
-        """Add to a channel the terms without a formula, in the vector's amounts."""
+    def _with_terms(self, name: str, shown: Array, vector: Array) -> Array:
+        """A channel with the terms without a formula that are added to it, in the vector's amounts."""
         for group in self.added:
             if name in group.columns:
                 amounts = vector[[self.space.place[one] for one in group.amounts]]
                 if amounts.any():
-                    found[name] = found[name] + group.columns[name] @ amounts
+                    shown = shown + group.columns[name] @ amounts
+        return shown
 
     def _shows_the_same(self, name: str, motion: Motion, vector: Array, near: Predicted) -> bool:
         """Whether a channel shows the same of a motion and a vector as in another prediction."""

@@ -36,8 +36,7 @@ def second_best(
             return None
 
     known = [*others, last, last.world, last.predicted.motion]
-    found = shared_out(carried, others[:_SECOND_BEST], known)
-    return sorted((one for one in found if one is not None), key=lambda one: -one.merit)
+    return [one for one in shared_out(carried, others[:_SECOND_BEST], known) if one is not None]
 
 
 def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form], steps: int = TO_REST) -> Candidate | None:

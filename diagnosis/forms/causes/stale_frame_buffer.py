@@ -24,15 +24,12 @@ def _values(fit: Fit) -> Values:
     return plain(fit, onset_s="timing.stale_onset_s", frames="timing.stale_frames")
 
 
-WHOLE = 0.02
-"""Frames: to which the fit's own doubt of a whole number is not believed."""
+_WHOLE = 0.02  # frames: to which the fit's own doubt of a whole number is not believed
 
 
-def _unwhole(fit: Fit) -> float:
-    """A buffer holds whole frames, at least one."""
-    frames = fit.value("timing.stale_frames")
-    doubt = max(fit.std.get("timing.stale_frames", 0.0), WHOLE)
-    return min(0.5 * ((frames - max(round(frames), 1)) / doubt) ** 2, MOST_PENALTY_NATS)
+def unwhole(frames: float, std: float) -> float:
+    """Nats by which a number of frames is unlikely: a buffer holds whole ones, at least one. std: its deviation."""
+    return min(0.5 * ((frames - max(round(frames), 1)) / max(std, _WHOLE)) ** 2, MOST_PENALTY_NATS)
 
 
 LEAST_FRAMES = 0.5
@@ -47,5 +44,5 @@ CAUSE = Cause(
     possible=lambda fit: abs(fit.value("timing.stale_frames")) > LEAST_FRAMES,
     parameters_of=_values,
     settle={"timing.stale_onset_s": 0.5},
-    prior_penalty=_unwhole,
+    prior_penalty=lambda fit: unwhole(*plain(fit, frames="timing.stale_frames")["frames"]),
 )
