@@ -96,6 +96,13 @@ class Adjustment(Message, frozen=True, tag=8):
     added_damping_ratio: Annotated[float, about("as in `controller.damping`; NaN: as it is")]
 
 
+class DriveInput(Message, frozen=True, tag=9):
+    """controller to drive gateway, in each cycle, in place of DRIVE_COMMAND where the drive obeys a torque, a current
+    or a voltage."""
+
+    input: Annotated[float, about("N m, A or V, as `drive.kind` of the model says; not finite: brake")]
+
+
 MESSAGES: tuple[type[Message], ...] = (
     Timestamp,
     Visual,
@@ -105,4 +112,5 @@ MESSAGES: tuple[type[Message], ...] = (
     Hello,
     OperatorCommand,
     Adjustment,
+    DriveInput,
 )

@@ -7,6 +7,7 @@ configuration.py.
 __all__ = [
     "beam",
     "configuration",
+    "driven_joint",
     "effects",
     "effects_check",
     "model",

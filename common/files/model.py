@@ -197,17 +197,6 @@ def length_of(model: Model, name: str) -> float:
     return model.arm.length_m
 
 
-def refuse_other_drives(model: Model, name: str) -> None:
-    """Raise UserError for a drive that follows no velocity: the controller commands velocities, and the simulated plant
-    obeys them."""
-    if model.drive.kind != "velocity":
-        raise UserError(
-            f'{name}: drive.kind = "{model.drive.kind}": only `stillarm diagnose` knows such a joint; the '
-            'controller and the simulation need "velocity": close a velocity loop in the drive'
-        )
-    refuse_driven_effects(model, name)
-
-
 def refuse_driven_effects(model: Model, name: str) -> None:
     """Raise UserError for an effect that only a joint has that a torque, a current or a voltage drives."""
     for index, effect in enumerate(model.effects):

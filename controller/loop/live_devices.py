@@ -40,7 +40,7 @@ class LiveDevices:
         self._exchange = ControllerExchange(key, self.session, round(oldest_s / cycle_s))
         self._reference = ReferenceExchange(key, self.session)
         self._accelerometer = open_accelerometer(configuration.accelerometer)
-        self._drive = open_drive(configuration.drive, key)
+        self._drive = open_drive(configuration.drive, key, model)
         self._operator = OperatorInput(configuration.controller.safety, emergency_signal)
         schedule = configuration.controller.schedule
         self._schedule: Scenario | None = load_scenario(schedule) if schedule else None

@@ -13,4 +13,5 @@ __all__ = [
     "drive_gateway_socket",
     "odrive_lines",
     "udp_gateway_drive",
+    "velocity_loop",
 ]

@@ -2,19 +2,26 @@
 
 from stillarm.common.datagrams.datagram import DEMO_KEY
 from stillarm.common.files.configuration import DriveDevice
+from stillarm.common.files.model import Model
 from stillarm.common.link.link_key import is_loopback
 from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.drive import Drive, DriveProbe
 from stillarm.drivers.drives.udp_gateway_drive import UdpGatewayDrive, greet_gateway
+from stillarm.drivers.drives.velocity_loop import VelocityLoop
 
 
-def open_drive(config: DriveDevice, key: bytes) -> Drive | None:
-    """The configured drive, not yet started; None for "none".
+def open_drive(config: DriveDevice, key: bytes, model: Model | None = None) -> Drive | None:
+    """The configured drive, not yet started; None for "none". model: says what the drive obeys; None: velocities.
 
-    Raises UserError for a gateway on another computer with the demo key, which is public.
+    Raises UserError for a gateway on another computer with the demo key, which is public, and for a joint that obeys a
+    torque, a current or a voltage behind a driver of velocities.
     """
     if config.driver == "none":
         return None
+    loop = None
+    if model is not None and model.drive.kind != "velocity":
+        check_driver_of_inputs(config, model.drive.kind)
+        loop = VelocityLoop(model)
     if config.driver == "odrive":
         from stillarm.drivers.drives.odrive_drive import OdriveDrive
 
@@ -32,7 +39,17 @@ def open_drive(config: DriveDevice, key: bytes) -> Drive | None:
             f"drive.gateway_host = {config.gateway_host!r} lies outside this computer, where the demo key "
             "(127.0.0.0/8 only) protects nothing; name a key file in link.key_file, with mode 600"
         )
-    return UdpGatewayDrive(config, key)
+    return UdpGatewayDrive(config, key, loop=loop)
+
+
+def check_driver_of_inputs(config: DriveDevice, kind: str) -> None:
+    """Raise UserError for a driver that commands velocities where the joint obeys a torque, a current or a voltage."""
+    if config.driver != "udp_gateway":
+        raise UserError(
+            f'drive.driver = "{config.driver}": commands velocities, but drive.kind = "{kind}" in the model; use '
+            '"udp_gateway" (docs/gateway.md), or let the drive close its own velocity loop and set drive.kind = '
+            '"velocity"'
+        )
 
 
 def probe_drive(config: DriveDevice, key: bytes, span_s: float) -> DriveProbe:

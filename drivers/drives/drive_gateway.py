@@ -9,10 +9,12 @@ from enum import IntEnum
 from math import isfinite, nan
 
 from stillarm.common.datagrams.datagram import LinkCounts, Peer
-from stillarm.common.datagrams.messages import DriveCommand, DriveState, Hello
+from stillarm.common.datagrams.messages import DriveCommand, DriveInput, DriveState, Hello
 from stillarm.common.link.udp import new_session
 
 DEAD_MAN_S = 0.1
+DEAD_MAN_INPUT_S = 0.02
+"""A velocity may be held for longer than a torque, which goes on to accelerate."""
 
 
 class GatewayStatus(IntEnum):
@@ -20,22 +22,32 @@ class GatewayStatus(IntEnum):
 
     IDLE = 0  # no valid command so far
     FOLLOWING = 1
-    DEAD_MAN = 2  # commands ceased: the joint is held at zero velocity
+    DEAD_MAN = 2  # commands ceased: the joint is held at zero velocity, or braked
 
 
 class DriveGateway:
-    """Takes DRIVE_COMMANDs, gives the velocity to follow, and words the DRIVE_STATEs that answer them."""
+    """Takes DRIVE_COMMANDs or DRIVE_INPUTs, gives the velocity or the input to follow, and words the DRIVE_STATEs that
+    answer them."""
 
-    def __init__(self, key: bytes, session: int | None = None) -> None:
-        """key: 16 to 32 bytes, shared with the controller. session: of the answers; None draws a random one."""
+    def __init__(
+        self,
+        key: bytes,
+        session: int | None = None,
+        takes: type[DriveCommand] | type[DriveInput] = DriveCommand,
+    ) -> None:
+        """key: 16 to 32 bytes, shared with the controller. session: of the answers; None draws a random one. takes:
+        what the drive obeys, velocities or inputs; the other is refused.
+        """
         self.session = new_session() if session is None else session
-        self._peer = Peer(key, (DriveCommand,), self.session)
-        self._velocity = 0.0
+        self.takes = takes
+        self._dead_man_s = DEAD_MAN_S if takes is DriveCommand else DEAD_MAN_INPUT_S
+        self._peer: Peer[DriveCommand | DriveInput] = Peer(key, (takes,), self.session)
+        self._command = 0.0
         self._received_s = nan
         self._command_sequence = 0
         self._status = GatewayStatus.IDLE
         self.ignored = 0
-        """Commands that were signed and in order, but whose velocity is not a finite number."""
+        """Commands that were signed and in order, but whose value is not a finite number."""
 
     @property
     def counts(self) -> LinkCounts:
@@ -46,28 +58,37 @@ class DriveGateway:
         """Take a datagram that arrived at `now_s`; True when it is a valid, newest command. Never raises for
         any bytes.
 
-        A command that is no finite number is ignored and does not rewind the dead-man timer.
+        A velocity that is no finite number is ignored and does not rewind the dead-man timer; such an input is valid
+        and ends it.
         """
         datagram = self._peer.receive(data)
         if datagram is None:
             return False
-        velocity = datagram.body.velocity_rad_s
-        if not isfinite(velocity):
+        body = datagram.body
+        command = body.velocity_rad_s if isinstance(body, DriveCommand) else body.input
+        if not isfinite(command) and isinstance(body, DriveCommand):
             self.ignored += 1
             return False
-        self._velocity = velocity
-        self._received_s = now_s
+        self._command = command
+        self._received_s = now_s if isfinite(command) else nan
         self._command_sequence = datagram.sequence
         return True
 
     def velocity_command(self, now_s: float) -> float:
         """The joint velocity to follow at `now_s`, rad/s: zero when the last valid command is older than 0.1 s."""
-        if now_s - self._received_s <= DEAD_MAN_S:
+        command = self.input_command(now_s)
+        return 0.0 if command is None else command
+
+    def input_command(self, now_s: float) -> float | None:
+        """The input to give the drive at `now_s`, in its unit; None when the last one is older than 0.02 s or was no
+        finite number, or there was none: the joint is to be braked.
+        """
+        if now_s - self._received_s <= self._dead_man_s:
             self._status = GatewayStatus.FOLLOWING
-            return self._velocity
+            return self._command
         if self._command_sequence:
             self._status = GatewayStatus.DEAD_MAN
-        return 0.0
+        return None
 
     def state_datagram(self, position_rad: float, velocity_rad_s: float) -> bytes:
         """A DRIVE_STATE of the joint's measured position and velocity, with the newest command's sequence number."""

@@ -1,6 +1,5 @@
 """A drive gateway on a UDP port: commands in, the joint's state back to the commander."""
 
-from stillarm.common.datagrams.messages import DriveCommand
 from stillarm.common.link.udp import Address, UdpSocket
 from stillarm.drivers.drives.drive_gateway import DriveGateway
 
@@ -15,7 +14,7 @@ class DriveGatewaySocket:
         """Bind to `local`. Raises UserError when that cannot be."""
         self._gateway = gateway
         self._socket = UdpSocket(local, "drive.gateway_port")
-        self._socket.guard((DriveCommand,), gateway.session, _EXPECTED_PER_LOOK)
+        self._socket.guard((gateway.takes,), gateway.session, _EXPECTED_PER_LOOK)
         self._commander: Address | None = None
 
     @property
@@ -25,12 +24,16 @@ class DriveGatewaySocket:
 
     def poll(self, now_s: float) -> float:
         """Take what has arrived; returns the joint velocity to follow at `now_s`, rad/s."""
+        self.take(now_s)
+        return self._gateway.velocity_command(now_s)
+
+    def take(self, now_s: float) -> None:
+        """Take what has arrived."""
         for data, sender in self._socket.drain_with_senders(_MAX_DATAGRAMS):
             if self._gateway.receive(data, now_s):
                 self._commander = sender
             elif answer := self._gateway.hello():
                 self._socket.send(answer, sender)
-        return self._gateway.velocity_command(now_s)
 
     def report(self, position_rad: float, velocity_rad_s: float) -> None:
         """Send the joint's state to the commander; nothing before the first command."""

@@ -1,15 +1,20 @@
-"""A drive behind a gateway that speaks the signed datagrams of docs/gateway.md over UDP."""
+"""A drive behind a gateway that speaks the signed datagrams of docs/gateway.md over UDP.
+
+A gateway of a drive that obeys a torque, a current or a voltage takes that in place of a velocity, from a velocity loop
+on this side.
+"""
 
 import time
 from collections.abc import Callable
 from math import inf, isfinite, nan
 
 from stillarm.common.datagrams.datagram import LinkCounts, Peer
-from stillarm.common.datagrams.messages import DriveCommand, DriveState, Hello
+from stillarm.common.datagrams.messages import DriveCommand, DriveInput, DriveState, Hello, Message
 from stillarm.common.files.configuration import DriveDevice
 from stillarm.common.link.udp import UdpSocket, new_session
 from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.drive import DriveProbe, JointState
+from stillarm.drivers.drives.velocity_loop import VelocityLoop
 
 _MAX_DATAGRAMS = 32
 _TAKES = (DriveState, Hello)
@@ -21,17 +26,26 @@ class UdpGatewayDrive:
     """Commands a joint's velocity and hears its state; implements stillarm.drivers.drives.drive.Drive."""
 
     def __init__(
-        self, config: DriveDevice, key: bytes, *, clock: Callable[[], float] = time.monotonic
+        self,
+        config: DriveDevice,
+        key: bytes,
+        *,
+        loop: VelocityLoop | None = None,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Opens nothing. clock: seconds, never backwards."""
+        """Opens nothing. loop: where the gateway takes inputs. It acts on what state() returned last: both are called
+        once a cycle, state() first. clock: seconds, never backwards.
+        """
         self._config = config
         self._gateway = (config.gateway_host, config.gateway_port)
         self._clock = clock
         self.session = new_session()
         self._peer = Peer(key, _TAKES, self.session)
         self._socket: UdpSocket | None = None
+        self._loop = loop
         self._position = self._velocity = nan
         self._arrived_s = -inf
+        self._seen = JointState(nan, nan, inf)
         self.status = 0
         """The gateway's status: stillarm.drivers.drives.drive_gateway.GatewayStatus."""
         self.echoed_sequence = 0
@@ -59,13 +73,17 @@ class UdpGatewayDrive:
     def start(self) -> None:
         """Open the socket. Moves nothing. Raises UserError when the port is taken."""
         self.close()
+        if self._loop is not None:
+            self._loop.reset()
         self._socket = UdpSocket((self._config.local_host, self._config.local_port), "drive.local_port")
         self._socket.guard(_TAKES, self.session, _EXPECTED_PER_CYCLE)
 
     def command(self, velocity_rad_s: float) -> None:
-        """Send the joint velocity command, rad/s; what is no finite number is sent as zero, and counted.
+        """Send the joint velocity command, rad/s, or the input that the loop answers it with; what is no finite number
+        is taken for zero, and counted.
 
-        The gateway stops the joint when no command reaches it for 0.1 s. Raises RuntimeError before start().
+        The gateway stops the joint when no command reaches it for 0.1 s, no input for 0.02 s. Raises RuntimeError
+        before start().
         """
         if self._socket is None:
             raise RuntimeError("command() before start()")
@@ -73,22 +91,30 @@ class UdpGatewayDrive:
             self.refused += 1
             velocity_rad_s = 0.0
         # float(): a NumPy scalar would not go into msgpack
-        self._socket.send(self._peer.encode(DriveCommand(float(velocity_rad_s))), self._gateway)
+        if self._loop is None:
+            body: Message = DriveCommand(float(velocity_rad_s))
+        else:
+            body = DriveInput(float(self._loop.input_for(velocity_rad_s, self._seen)))
+        self._socket.send(self._peer.encode(body), self._gateway)
 
     def state(self) -> JointState:
-        """The newest report of the drive; never blocks. Before the first: NaN, NaN and an infinite age."""
+        """The newest report of the drive; never blocks. Before the first: NaN, NaN and an infinite age, which is
+        infinite, too, once the loop has tripped."""
         if self._socket is None:
             raise RuntimeError("state() before start()")
         for data in self._socket.drain(_MAX_DATAGRAMS):
             datagram = self._peer.receive(data)
             if datagram is not None and isinstance(datagram.body, DriveState):
                 self._take(datagram.body)
-        return JointState(self._position, self._velocity, self._clock() - self._arrived_s)
+        age_s = inf if self._loop is not None and self._loop.tripped else self._clock() - self._arrived_s
+        self._seen = JointState(self._position, self._velocity, age_s)
+        return self._seen
 
     def close(self) -> None:
         """Command zero and release the socket; may be called twice."""
         if self._socket is not None:
-            self.command(0.0)
+            last = DriveCommand(0.0) if self._loop is None else DriveInput(nan)  # stand still, or brake
+            self._socket.send(self._peer.encode(last), self._gateway)
             self._socket.close()
             self._socket = None
 
@@ -109,7 +135,8 @@ def greet_gateway(
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
 ) -> DriveProbe:
-    """Ask a gateway for its identity with commands of zero that do not echo its session: it answers and obeys none.
+    """Ask a gateway for its identity with commands and inputs of zero that do not echo its session: it answers those
+    of its kind and obeys none.
 
     Raises UserError if it does not answer, or if the port is in use (a controller runs).
     """
@@ -121,7 +148,8 @@ def greet_gateway(
     try:
         until = clock() + span_s
         while clock() < until:
-            socket.send(peer.encode(DriveCommand(0.0), echo=0), (config.gateway_host, config.gateway_port))
+            for body in (DriveCommand(0.0), DriveInput(0.0)):
+                socket.send(peer.encode(body, echo=0), (config.gateway_host, config.gateway_port))
             sleep(_ASK_EVERY_S)
             for data in socket.drain(_MAX_DATAGRAMS):
                 greetings += peer.receive(data) is not None

@@ -163,7 +163,7 @@ def lagging(
 
 
 @inlined
-def _move(arm: Record, duration: float, decay: float, start: float, count: int) -> tuple[float, int]:
+def move(arm: Record, duration: float, decay: float, start: float, count: int) -> tuple[float, int]:
     """Move the motor under theta'' = start exp(-decay t), or to its first impact on an end stop: the time used, and how
     many stretches there are."""
     most = (abs(arm.rate) + abs(start) * duration) * duration
@@ -207,8 +207,8 @@ def hold(arm: Record, span: float, target: float, count: int) -> int:
         # what rounding leaves of an excess must not count as one, or the loop would never end
         if excess > 1e-12 * (linear + abs(target) + abs(omega)):
             start = arm.most if error > 0.0 else -arm.most
-            used, count = _move(arm, min(span, excess / arm.most), 0.0, start, count)
+            used, count = move(arm, min(span, excess / arm.most), 0.0, start, count)
         else:
-            used, count = _move(arm, span, arm.decay, arm.decay * error, count)
+            used, count = move(arm, span, arm.decay, arm.decay * error, count)
         span -= used
     return count

@@ -1,8 +1,9 @@
-"""The simulated arm for a loop: a velocity-controlled joint and a flexible link, moved on cycle by cycle.
+"""The simulated arm for a loop: a joint that obeys a velocity, a torque, a current or a voltage, and a flexible link,
+moved on cycle by cycle.
 
-The equations are those of stillarm.simulation.arm.stepper; this module turns the model file into the stepper's arrays,
-delays commands by the dead time, and reads the result. It obeys the model file's effects that act in the arm or its
-drive.
+The equations are those of stillarm.simulation.arm.stepper and torque_drive; this module turns the model file into the
+stepper's arrays, delays commands by the dead time, and reads the result. It obeys the model file's effects that act in
+the arm or its drive.
 """
 
 from collections import deque
@@ -13,14 +14,16 @@ import numpy as np
 
 from stillarm.common.causes import CAUSES
 from stillarm.common.files.beam import tip_slopes_per_m
+from stillarm.common.files.driven_joint import commanded_joint, stated_or
 from stillarm.common.files.effects import acting, declared, effect_of, laws_at
 from stillarm.common.files.effects_check import check_effects
-from stillarm.common.files.model import Model, length_of, refuse_other_drives
+from stillarm.common.files.model import Model, length_of, refuse_driven_effects
 from stillarm.common.user_error import UserError
 from stillarm.simulation.arm.compiled_laws import laws_of
 from stillarm.simulation.arm.effect_clock import EffectClock
 from stillarm.simulation.arm.state import make_arm, modes_of
 from stillarm.simulation.arm.stepper import advance, look, strike
+from stillarm.simulation.arm.torque_drive import advance_by_input, joint_laws, joint_numbers
 
 _MODES = 5  # place of the first deflection in what `observe` fills
 
@@ -37,7 +40,8 @@ class Plant:
         """
         check_effects(model.effects, name)
         model = declared(model)
-        refuse_other_drives(model, name)
+        refuse_driven_effects(model, name)
+        joint = commanded_joint(model, name)
         self._length_m = length_of(model, name)
         self.cycle_s = model.timing.cycle_s
         self.cycle = 0
@@ -47,9 +51,14 @@ class Plant:
         """When the recording started, on the plant's time_s."""
         self._slopes = tip_slopes_per_m(self._length_m, len(model.arm.modes))
         self._rules = laws_at(model, "command")
+        if joint is not None and self._rules:
+            raise UserError(
+                f'{name}: effects: one of them acts on velocity commands, but drive.kind = "{model.drive.kind}"; '
+                "remove it"
+            )
         self._max_velocity = model.drive.max_velocity_rad_s
         backlash = effect_of(model, "gear_backlash")
-        gap_rad = backlash["gap_rad"] if backlash else 0.0
+        gap_rad = backlash["gap_rad"] if backlash else stated_or(model.drive.gear_play_rad, 0.0)
         self._encoder_on_motor = bool(backlash and backlash["behind_encoder"])
         rows = [
             (one.frequency_hz, one.damping_ratio, one.participation * self._length_m)
@@ -67,31 +76,48 @@ class Plant:
             if (cause := CAUSES[identifier]).limit is not None
         ]
         self._seen_array = np.zeros(5 + 3 * len(rows))
+        self._joint = None
+        if joint is not None:
+            self._joint = joint_numbers(joint, np.array(rows)[:, 2]), joint_laws(joint)
         # All that is ever called is compiled before any clock runs: an impact's first call stood it still for 50 ms.
-        advance(self._arm.copy(), 0.0, 0.0, 0.0, self._seen_array)
+        if self._joint is None:
+            advance(self._arm.copy(), 0.0, 0.0, 0.0, self._seen_array)
+        else:
+            advance_by_input(self._arm.copy(), *self._joint, 0.0, 0.0, 0.0, self._seen_array)
         strike(self._arm.copy(), 0, 0.0, 0.0)
         self._shaken_m_s2 = self.modal_forces_m_s2
         self._see()
 
-    def advance(self, command_rad_s: float) -> None:
-        """Move on by one cycle, over which the joint velocity command is held. Raises ValueError if the command is no
-        number; UserError if an effect has taken the arm beyond the range of its equation."""
-        limit = self._max_velocity
-        if not -limit <= command_rad_s <= limit:
-            if isnan(command_rad_s):
-                raise ValueError("the drive's command is not a number")
-            command_rad_s = copysign(limit, command_rad_s)
-        for rule in self._rules:
-            command_rad_s = rule(command_rad_s)
-        self._under_way.append(command_rad_s)
+    def advance(self, command: float) -> None:
+        """Move on by one cycle, over which the command is held: a joint velocity, rad/s, or the drive's input in its
+        unit, as the model's drive.kind says; an input that is NaN brakes. Raises ValueError if a velocity is no number;
+        UserError if an effect has taken the arm beyond the range of its equation.
+        """
+        self._under_way.append(command if self._joint is not None else self._obeyed(command))
         before, self._acting = self._acting, self._under_way.popleft()
         self._shake()
-        advance(self._arm, self._since_start_s, before, self._acting, self._seen_array)
+        if self._joint is None:
+            advance(self._arm, self._since_start_s, before, self._acting, self._seen_array)
+        else:
+            joint, laws = self._joint
+            since_s = self._since_start_s
+            advance_by_input(self._arm, joint, laws, since_s, before, self._acting, self._seen_array)
         self.cycle += 1
         self._seen = self._seen_array.tolist()
         for identifier, broken, first_hz, own in self._limits:
             if said := broken(self.effect_time_s, first_hz, self._seen[_MODES], *own):
                 raise UserError(f"effects: {identifier}: {said}")
+
+    def _obeyed(self, velocity_rad_s: float) -> float:
+        """What a velocity command becomes in the drive, rad/s."""
+        limit = self._max_velocity
+        if not -limit <= velocity_rad_s <= limit:
+            if isnan(velocity_rad_s):
+                raise ValueError("the drive's command is not a number")
+            velocity_rad_s = copysign(limit, velocity_rad_s)
+        for rule in self._rules:
+            velocity_rad_s = rule(velocity_rad_s)
+        return velocity_rad_s
 
     def strike(self, mode: int, deflection_m: float) -> None:
         """An impact on mode number `mode` (1 = first), after which it rings with amplitude `deflection_m`

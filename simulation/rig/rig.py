@@ -29,7 +29,7 @@ from stillarm.common.files.configuration import (
     true_model_path,
 )
 from stillarm.common.files.effects import declared
-from stillarm.common.files.model import Model, length_of, refuse_other_drives
+from stillarm.common.files.model import Model, length_of
 from stillarm.common.files.scenario import Scenario, load_scenario
 from stillarm.common.link.link_key import load_key
 from stillarm.common.link.udp import UdpSocket
@@ -98,7 +98,6 @@ def run(
         configuration = msgspec.structs.replace(configuration, rig=rig)
     name = str(true_model_path(configuration, configuration_path))
     model = declared(load_true_model(configuration, configuration_path))
-    refuse_other_drives(model, name)
     length_of(model, name)
     refuse_step_of_absent_stamps(model, rig, name)
     refuse_step_of_controller_clock(model, name)
@@ -179,7 +178,7 @@ class _PlantProcess:
                 place = configuration.drive.gateway_host, configuration.drive.gateway_port
                 self._claim = UdpSocket(place, "drive.gateway_port")
                 undo.callback(self._claim.close)
-            self._drive = rig_drive(configuration.drive, key)
+            self._drive = rig_drive(configuration.drive, key, model.drive.kind)
             undo.callback(self._drive.close)
             self._accelerometer = emulate_accelerometer(self._device, self._cycle_s)
             undo.callback(self._accelerometer.close)

@@ -1,15 +1,18 @@
 """The simulated rig's drive: an emulator that speaks the configured drive's language.
 
-Each returns the joint velocity that the controller's commands ask for, and gets the joint's motion to report. Each has
-the dead man of its kind; the amplifier behind the DAC drops its enable when the DAC is not written for 0.1 s.
+Each returns the joint velocity that the controller's commands ask for, or the drive's input, and gets the joint's
+motion to report. Each has the dead man of its kind; the amplifier behind the DAC drops its enable when the DAC is not
+written for 0.1 s.
 """
 
-from math import isfinite, pi
+from math import isfinite, nan, pi
 from typing import Any, Protocol
 
+from stillarm.common.datagrams.messages import DriveCommand, DriveInput
 from stillarm.common.files.configuration import DriveDevice
 from stillarm.common.user_error import UserError
 from stillarm.drivers.buses.i2c import MEMORY_PREFIX
+from stillarm.drivers.drives.drive_factory import check_driver_of_inputs
 from stillarm.drivers.drives.drive_gateway import DEAD_MAN_S, DriveGateway
 from stillarm.drivers.drives.drive_gateway_socket import DriveGatewaySocket
 from stillarm.drivers.emulated_chips.mcp4725_chip import Mcp4725Output
@@ -27,7 +30,7 @@ class RigDrive(Protocol):
     """The rig's end of the drive."""
 
     def poll(self, now_s: float) -> float:
-        """Take what has arrived; returns the joint velocity to follow at `now_s`, rad/s."""
+        """Take what has arrived; returns the joint velocity to follow at `now_s`, rad/s, or the input; NaN: brake."""
 
     @property
     def commanded(self) -> bool:
@@ -40,8 +43,14 @@ class RigDrive(Protocol):
         """Release ports and memory; may be called twice."""
 
 
-def rig_drive(config: DriveDevice, key: bytes) -> RigDrive:
-    """The emulator of the drive that the configuration names. Raises UserError where it cannot be."""
+def rig_drive(config: DriveDevice, key: bytes, kind: str = "velocity") -> RigDrive:
+    """The emulator of the drive that the configuration names. kind: what it obeys, the model's drive.kind.
+
+    Raises UserError where it cannot be.
+    """
+    if kind != "velocity":
+        check_driver_of_inputs(config, kind)
+        return RigGateway(config, key, DriveInput)
     if config.driver == "odrive":
         return RigOdrive(config)
     if config.driver == "cia402":
@@ -54,14 +63,23 @@ def rig_drive(config: DriveDevice, key: bytes) -> RigDrive:
 class RigGateway:
     """A gateway on a UDP port."""
 
-    def __init__(self, config: DriveDevice, key: bytes) -> None:
-        """Raises UserError when the port is taken."""
-        self.gateway = DriveGateway(key)
+    def __init__(
+        self,
+        config: DriveDevice,
+        key: bytes,
+        takes: type[DriveCommand] | type[DriveInput] = DriveCommand,
+    ) -> None:
+        """takes: velocities or inputs. Raises UserError when the port is taken."""
+        self.gateway = DriveGateway(key, takes=takes)
         self._socket = DriveGatewaySocket(self.gateway, (config.gateway_host, config.gateway_port))
 
     def poll(self, now_s: float) -> float:
         """Take the datagrams that have arrived."""
-        return self._socket.poll(now_s)
+        if self.gateway.takes is DriveCommand:
+            return self._socket.poll(now_s)
+        self._socket.take(now_s)
+        value = self.gateway.input_command(now_s)
+        return nan if value is None else value
 
     @property
     def commanded(self) -> bool:

@@ -2,7 +2,8 @@
 
 One pass of the loop is one controller cycle. The order is that of the rig in real time: the sensors show the state at
 the cycle's start, the controller answers, the arm moves on under the answer. The datagrams between supervisor and
-controller are real ones; the drive's are left out, its commands are taken over directly.
+controller are real ones; the drive's are left out: its commands are taken over directly, by way of the drive's velocity
+loop where the joint has one.
 """
 
 import time
@@ -23,11 +24,14 @@ from stillarm.common.files.effects import declared
 from stillarm.common.files.effects_check import check_effects
 from stillarm.common.files.model import Model
 from stillarm.common.files.scenario import Scenario
+from stillarm.common.user_error import UserError
 from stillarm.controller.input.cycle_input import CycleInput
 from stillarm.controller.input.exchange import ControllerExchange
 from stillarm.controller.loop.recorded import estimate_sample, fast_sample, frame_sample
 from stillarm.controller.loop.step import Controller
 from stillarm.drivers.cameras.shared_memory_camera import ASK_AGAIN_S
+from stillarm.drivers.drives.drive import JointState
+from stillarm.drivers.drives.velocity_loop import VelocityLoop
 from stillarm.simulation.arm.disturbance import DISTURBANCE_STREAM, Disturbance
 from stillarm.simulation.arm.plant import Plant
 from stillarm.simulation.camera.camera_timing import AFTER_DELIVERY_S
@@ -167,6 +171,28 @@ class VirtualRun:
     name: str = "model"
 
 
+class _VirtualDrive:
+    """The plant under the controller's commands, by way of a velocity loop where its joint obeys none."""
+
+    def __init__(self, plant: Plant, run: VirtualRun) -> None:
+        self._plant = plant
+        kind, assumed = run.true_model.drive.kind, run.assumed_model.drive.kind
+        if (kind == "velocity") != (assumed == "velocity"):
+            raise UserError(
+                f'{run.name}: drive.kind = "{kind}" of the rig and "{assumed}" of the controller\'s model: neither '
+                "obeys what is meant for the other; give both models the same kind"
+            )
+        self._loop = None if kind == "velocity" else VelocityLoop(run.assumed_model, run.name)
+
+    def advance(self, read: CycleInput, command_rad_s: float) -> None:
+        """Move on by a cycle."""
+        if self._loop is None:
+            self._plant.advance(command_rad_s)
+            return
+        state = JointState(read.joint_position_rad, read.joint_velocity_rad_s, read.joint_age_s)
+        self._plant.advance(self._loop.input_for(command_rad_s, state))
+
+
 def simulate(
     run: VirtualRun,
     recording: MessageSink,
@@ -196,6 +222,7 @@ def simulate(
     camera = VirtualCamera(true_model, run.configuration.rig, run.seed, poses, images=run.images)
     supervisor = _VirtualSupervisor(run.configuration, camera, true_model.camera.noise_std_px, run.images)
     controller = Controller(run.assumed_model, run.configuration.controller, run.name)
+    drive = _VirtualDrive(plant, run)
     exchange = ControllerExchange(DEMO_KEY, _CONTROLLER_SESSION)
     exchange.expect(_SUPERVISOR_SESSION)
     read_accelerometer = accelerometer_reading(run.configuration.accelerometer, cycle_s)
@@ -234,7 +261,7 @@ def simulate(
             costs.spent_on("recording")
             for strike in disturbance.act_on(plant, now):
                 truth.write("/log", strike_line(strike, now))
-            plant.advance(answered.command_rad_s)
+            drive.advance(read, answered.command_rad_s)
             costs.spent_on("plant")
             if cycle % _REPORT_EVERY == 0:
                 progress(cycle / cycles)

@@ -5,9 +5,11 @@ from hashlib import blake2s
 
 import msgpack
 
-FIELDS = {1: 2, 2: 18, 3: 1, 4: 4, 5: 2, 6: 0, 7: 1, 8: 2}
+FIELDS = {1: 2, 2: 18, 3: 1, 4: 4, 5: 2, 6: 0, 7: 1, 8: 2, 9: 1}
 """How many fields the body of each kind has."""
-TIMESTAMP, VISUAL, DRIVE_COMMAND, DRIVE_STATE, REFERENCE, HELLO, OPERATOR_COMMAND, ADJUSTMENT = FIELDS
+TIMESTAMP, VISUAL, DRIVE_COMMAND, DRIVE_STATE, REFERENCE, HELLO, OPERATOR_COMMAND, ADJUSTMENT, DRIVE_INPUT = (
+    FIELDS
+)
 
 
 def signed(key: bytes, payload: bytes) -> bytes:

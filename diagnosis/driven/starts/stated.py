@@ -1,7 +1,6 @@
 """What a model file states of a driven joint, as numbers of the grey box: a departure from them is a cause.
 
-With J the inertia that the joint shows to a rigid arm, m_i a clamped-free mode's mass at the tip, p_i its participation
-and L the arm's length, the hub's own inertia is J - sum m_i p_i^2 L^2.
+The joint's equation is that of stillarm.common.files.driven_joint.
 """
 
 from dataclasses import dataclass
@@ -9,8 +8,8 @@ from math import log, nan
 
 import msgspec
 
+from stillarm.common.files.driven_joint import driven_joint, stated_or
 from stillarm.common.files.model import Model
-from stillarm.common.user_error import UserError
 from stillarm.diagnosis.driven.recording.signals import Driven
 
 
@@ -25,45 +24,35 @@ class Stated:
 
 def stated_by(model: Model, driven: Driven, name: str) -> Stated | None:
     """The model's joint; None for a model that states none. Raises UserError for one that no rig can have."""
-    drive, length = model.drive, model.arm.length_m
-    if drive.kind == "velocity" or drive.inertia_kg_m2 is msgspec.UNSET:
+    joint, drive, length = driven_joint(model, name), model.drive, model.arm.length_m
+    if joint is None:
         return None
-    heavy = [one for one in model.arm.modes if one.modal_mass_kg is not msgspec.UNSET]
-    carried = []
-    for one in heavy:
-        if length is None:
-            raise UserError(f"{name}: arm.length_m: needed where a mode has a modal_mass_kg, and absent")
-        carried.append(float(one.modal_mass_kg or 0.0) * (one.participation * length) ** 2)
-    hub = drive.inertia_kg_m2 - sum(carried)
-    if hub <= 0.0:
-        raise UserError(
-            f"{name}: drive.inertia_kg_m2 = {drive.inertia_kg_m2:g}: the modes alone carry {sum(carried):g} kg m^2; "
-            "give the inertia of the joint with its arm"
-        )
-    viscous = _or(drive.viscous_n_m_s, 0.0) + _or(drive.back_emf_n_m_s, 0.0)
+    pairs = zip(model.arm.modes, joint.carried_kg_m2, strict=True)
+    carrying = [(one, carried) for one, carried in pairs if one.modal_mass_kg is not msgspec.UNSET]
+    hub = joint.hub_inertia_kg_m2
     numbers = {
-        "gain": _or(drive.torque_per_input, 1.0) / hub,
-        "damping": viscous / hub,
-        "coulomb": _or(drive.coulomb_n_m, 0.0) / hub,
-        "lag": _or(drive.amplifier_lag_s, 0.0),
+        "gain": joint.torque_per_input / hub,
+        "damping": joint.damping_n_m_s / hub,
+        "coulomb": joint.coulomb_n_m / hub,
+        "lag": joint.lag_s,
         "hub_inertia_kg_m2": hub,
     }
-    for i, (mode, inertia) in enumerate(zip(heavy, carried, strict=True), 1):
+    for i, (mode, inertia) in enumerate(carrying, 1):
         numbers[f"log_w_{i}"] = log(mode.angular_frequency)
         numbers[f"stated_log_w_{i}"] = numbers[f"log_w_{i}"]
         numbers[f"zeta_{i}"] = mode.damping_ratio
         numbers[f"carries_{i}"] = inertia / hub
-    if drive.input_limit is not msgspec.UNSET:
-        numbers["limit"] = drive.input_limit
-    fixed = ["damping", *(f"carries_{i}" for i in range(1, len(heavy) + 1))]
-    tips = [one.participation * (length or nan) for one in heavy]
-    fixed += _sensors(numbers, driven, _or(drive.gear_ratio, 1.0), tips, length)
+    if joint.limit is not None:
+        numbers["limit"] = joint.limit
+    fixed = ["damping", *(f"carries_{i}" for i in range(1, len(carrying) + 1))]
+    tips = [one.participation * (length or nan) for one, _ in carrying]
+    fixed += _sensors(numbers, driven, stated_or(drive.gear_ratio, 1.0), tips, length)
     if driven.drive_stated and any(one.stated for one in driven.outputs):
         fixed.append("gain")
     if not driven.drive_stated:  # counts of a converter, say: what a unit of them is nobody knows
         del numbers["gain"]
         numbers.pop("limit", None)
-    return Stated(numbers, tuple(fixed), len(heavy))
+    return Stated(numbers, tuple(fixed), len(carrying))
 
 
 def _sensors(
@@ -94,7 +83,3 @@ def _sensors(
         if one.stated:
             fixed.append(f"scale {one.name}")
     return fixed
-
-
-def _or(value: float | msgspec.UnsetType, default: float) -> float:
-    return default if isinstance(value, msgspec.UnsetType) else float(value)

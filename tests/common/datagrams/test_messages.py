@@ -13,6 +13,7 @@ from stillarm.common.datagrams.messages import (
     MESSAGES,
     Adjustment,
     DriveCommand,
+    DriveInput,
     DriveState,
     Hello,
     Message,
@@ -63,6 +64,10 @@ RECORDED: list[tuple[Message, str]] = [  # by the program as it was before this 
         Adjustment("fused", 0.15),
         "970208cf4000000000000005cf4000000000000009ce00011170a56675736564cb3fc3333333333333"
         "aed06c15cf8e5cbe62265e2e10fa0658",
+    ),
+    (  # likewise
+        DriveInput(1.5),
+        "960209cf4000000000000005cf4000000000000009ce00011170cb3ff8000000000000d53e66f8b14c39c95d6c83176bb15624",
     ),
 ]
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from stillarm.common.datagrams.datagram import HEAD
 from stillarm.common.datagrams.messages import (
     DriveCommand,
+    DriveInput,
     DriveState,
     Hello,
 )
@@ -19,5 +20,5 @@ def test_the_documents_hold_the_tables() -> None:
     protocol, gateway = ((DOCS / name).read_text(encoding="utf-8") for name in ("protocol.md", "gateway.md"))
     assert message_tables() in protocol
     assert re.findall(r"^\| (\w+) \| .* \|$", protocol, flags=re.M)[1:6] == list(HEAD)
-    for message in (DriveCommand, DriveState, Hello):
+    for message in (DriveCommand, DriveInput, DriveState, Hello):
         assert message_section(message) in gateway

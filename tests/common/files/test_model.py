@@ -7,7 +7,7 @@ import msgspec
 import pytest
 
 from stillarm.common.files.configuration import default_configuration_path
-from stillarm.common.files.model import Drive, Mode, Model, length_of, load_model, refuse_other_drives
+from stillarm.common.files.model import Mode, Model, length_of, load_model
 from stillarm.common.user_error import UserError
 
 
@@ -84,12 +84,3 @@ def test_the_mark_of_commissioning_is_read_kept_and_left_out_where_there_is_none
 def test_a_mark_without_a_recording_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"commissioned\.recording: required key is missing"):
         model(tmp_path, '[commissioned]\ndate = "2026-01-31"\n')
-
-
-def test_a_joint_that_follows_no_velocity_is_refused_where_one_is_commanded() -> None:
-    refuse_other_drives(Model(), "m.toml")
-    driven = Model(drive=Drive(kind="torque", inertia_kg_m2=0.1))
-    with pytest.raises(
-        UserError, match=r'm\.toml: drive\.kind = "torque": only `stillarm diagnose` knows such a joint'
-    ):
-        refuse_other_drives(driven, "m.toml")

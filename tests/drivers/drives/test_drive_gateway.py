@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stillarm.common.datagrams.datagram import Datagram, Rejected, decode, encode
-from stillarm.common.datagrams.messages import DriveState, Hello
-from stillarm.drivers.drives.drive_gateway import DEAD_MAN_S, DriveGateway, GatewayStatus
-from tests.reference.plain_datagram import DRIVE_COMMAND, plain_datagram
+from stillarm.common.datagrams.messages import DriveInput, DriveState, Hello
+from stillarm.drivers.drives.drive_gateway import DEAD_MAN_INPUT_S, DEAD_MAN_S, DriveGateway, GatewayStatus
+from tests.reference.plain_datagram import DRIVE_COMMAND, DRIVE_INPUT, plain_datagram
 
 KEY = b"a key of the tests' own"
 SESSION, OWN = 7, 70
@@ -118,3 +118,34 @@ def test_commands_of_another_life_of_the_gateway_are_not_followed_but_answered()
     assert gateway.hello() is None
     assert not gateway.receive(yesterday, 0.02)
     assert gateway.velocity_command(0.02) == 0.1
+
+
+def drive_input(value: object, sequence: int) -> bytes:
+    return plain_datagram(KEY, DRIVE_INPUT, SESSION, sequence, (value,), echo=OWN)
+
+
+def test_an_input_lapses_sooner_than_a_velocity() -> None:
+    gateway = DriveGateway(KEY, OWN, DriveInput)
+    assert gateway.input_command(0.0) is None
+    assert gateway.receive(drive_input(3.5, 1), 10.0)
+    assert gateway.input_command(10.0 + 0.99 * DEAD_MAN_INPUT_S) == 3.5
+    assert gateway.input_command(10.0 + 1.01 * DEAD_MAN_INPUT_S) is None
+    assert state_of(gateway) == DriveState(0.5, -0.125, GatewayStatus.DEAD_MAN, 1)
+
+
+@pytest.mark.parametrize("value", [nan, inf, -inf])
+def test_an_input_that_is_no_finite_number_asks_to_brake_at_once(value: float) -> None:
+    gateway = DriveGateway(KEY, OWN, DriveInput)
+    gateway.receive(drive_input(3.5, 1), 10.0)
+    assert gateway.receive(drive_input(value, 2), 10.001)
+    assert gateway.input_command(10.001) is None
+    assert gateway.receive(drive_input(-1.0, 3), 10.002)
+    assert gateway.input_command(10.002) == -1.0
+
+
+def test_a_gateway_refuses_what_its_drive_does_not_obey() -> None:
+    of_inputs, of_velocities = DriveGateway(KEY, OWN, DriveInput), DriveGateway(KEY, OWN)
+    assert not of_inputs.receive(command(0.3, 1), 0.0)
+    assert not of_velocities.receive(drive_input(0.3, 1), 0.0)
+    assert of_inputs.counts.unexpected == of_velocities.counts.unexpected == 1
+    assert of_inputs.input_command(0.0) is None and of_velocities.velocity_command(0.0) == 0.0

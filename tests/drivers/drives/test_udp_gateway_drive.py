@@ -11,13 +11,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from stillarm.common.datagrams.datagram import DEMO_KEY, encode
-from stillarm.common.datagrams.messages import DriveCommand
+from stillarm.common.datagrams.messages import DriveCommand, DriveInput
 from stillarm.common.files.configuration import DriveDevice
 from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.drive_factory import open_drive
 from stillarm.drivers.drives.drive_gateway import DriveGateway, GatewayStatus
 from stillarm.drivers.drives.drive_gateway_socket import DriveGatewaySocket
-from stillarm.drivers.drives.udp_gateway_drive import UdpGatewayDrive
+from stillarm.drivers.drives.udp_gateway_drive import UdpGatewayDrive, greet_gateway
 from tests.reference.plain_datagram import DRIVE_STATE, plain_datagram
 
 KEY = b"a key of the tests' own"
@@ -174,3 +174,22 @@ def test_factory() -> None:
     assert isinstance(open_drive(DriveDevice(gateway_host="192.0.2.7"), KEY), UdpGatewayDrive)
     with pytest.raises(UserError, match=r"^drive\.gateway_host = '192\.0\.2\.7' [^\n]*link\.key_file[^\n]*$"):
         open_drive(DriveDevice(gateway_host="192.0.2.7"), DEMO_KEY)
+
+
+@pytest.mark.parametrize("takes", [DriveCommand, DriveInput])
+def test_a_gateway_of_either_kind_answers_who_asks_it_and_obeys_nothing(
+    takes: type[DriveCommand] | type[DriveInput],
+) -> None:
+    gateway = DriveGateway(KEY, takes=takes)
+    gateway_socket = DriveGatewaySocket(gateway, ("127.0.0.1", 0))
+    clock = Clock()
+
+    def sleep(seconds: float) -> None:
+        clock.now += seconds
+        gateway_socket.take(clock.now)
+
+    config = DriveDevice(gateway_port=gateway_socket.address[1], local_port=0)
+    probe = greet_gateway(config, KEY, 0.2, clock=clock, sleep=sleep)
+    assert probe.reports > 0
+    assert gateway.counts.accepted == 0
+    gateway_socket.close()

@@ -10,13 +10,15 @@ import msgspec
 import pytest
 
 from stillarm.common.files.configuration import Cia402Device, DriveDevice, default_configuration_path
-from stillarm.common.files.model import load_model
+from stillarm.common.files.model import Mode, load_model
 from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.drive import JointState
 from stillarm.drivers.drives.drive_factory import open_drive
+from stillarm.drivers.drives.drive_gateway import GatewayStatus
 from stillarm.drivers.drives.odrive_drive import OdriveDrive
 from stillarm.simulation.arm.plant import Plant
 from stillarm.simulation.rig.rig_drive import rig_drive
+from tests.fixtures.torque_model import FIRST, torque_model
 
 KEY = b"a key of the tests' own"
 
@@ -178,3 +180,39 @@ def answering(rig, now: list[float], beside: bool):
         done.set()
         if thread is not None:
             thread.join()
+
+
+def test_a_torque_drive_behind_the_gateway_damps_a_struck_arm_through_our_velocity_loop():
+    """Real sockets, virtual time; the joint is held or braked before, and braked after."""
+    model = torque_model(Mode(modal_mass_kg=0.2), coulomb_n_m=0.5, bandwidth_hz=10.0)
+    rig = rig_drive(DriveDevice(gateway_port=0, local_port=0), KEY, "torque")
+    config = DriveDevice(gateway_port=rig._socket.address[1], local_port=0)
+    drive, now = open_drive(config, KEY, model), [10.0]
+    drive._clock = lambda: now[0]
+    drive.start()
+    plant = Plant(model)
+    assert isnan(rig.poll(now[0]))
+    damped, left_alone = [], []
+    for series, gain in ((left_alone, 0.0), (damped, 1.7)):
+        plant.strike(1, 0.00625)
+        for _ in range(1500):
+            now[0] += plant.cycle_s
+            rig.report(plant.encoder_position_rad, plant.encoder_velocity_rad_s)
+            drive.state()
+            drive.command(gain * plant.deflection_m)
+            plant.advance(rig.poll(now[0]))
+            series.append(abs(plant.deflection_m))
+    assert rig.commanded and drive.status == GatewayStatus.FOLLOWING
+    assert max(damped[-400:]) < 0.3 * max(left_alone[-400:])
+    drive.close()
+    assert isnan(rig.poll(now[0]))
+    rig.close()
+
+
+@pytest.mark.parametrize("driver", ["odrive", "cia402", "mcp4725"])
+def test_a_driver_of_velocities_refuses_a_joint_that_obeys_a_torque(driver):
+    config = device(driver, "test-refused")
+    with pytest.raises(UserError, match=f'drive.driver = "{driver}": commands velocities'):
+        rig_drive(config, KEY, "torque")
+    with pytest.raises(UserError, match=f'drive.driver = "{driver}": commands velocities'):
+        open_drive(config, KEY, torque_model(FIRST))

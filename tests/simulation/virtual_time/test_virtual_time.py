@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stillarm.common.recording.reader import open_recording
+from stillarm.common.user_error import UserError
 from stillarm.controller.replay.replay import compare_with_live, read_run, replay_method
 from stillarm.simulation.demo.scoring import damping_scores, method_scores
 from stillarm.simulation.demo.truth_file import read_truth
@@ -140,3 +141,50 @@ def test_a_triggered_camera_is_asked_for_each_frame(tmp_path: Path) -> None:
     for frame in recorded.frames:
         exposed_from = truth.mid_exposure_s[frame.frame] - 0.5 * 0.015
         assert frame.started_s <= exposed_from + 0.001
+
+
+TORQUE_MODEL = """
+[arm]
+length_m = 2.0
+[[arm.modes]]
+modal_mass_kg = 0.2
+[drive]
+kind = "current"
+inertia_kg_m2 = 3.0
+torque_per_input = 2.5
+coulomb_n_m = 0.3
+viscous_n_m_s = 0.5
+input_limit = 20.0
+bandwidth_hz = 10.0
+"""
+
+
+@pytest.mark.slow
+def test_a_joint_that_a_current_drives_is_damped_through_our_velocity_loop(tmp_path: Path) -> None:
+    """It moves as it is told, and settles sooner; the controller replays to the same numbers."""
+    (tmp_path / "model.toml").write_text(TORQUE_MODEL)
+    folder = simulated(tmp_path / "run", model=tmp_path / "model.toml")
+    recorded = read_run(open_recording(folder / "rec.mcap"))
+    assert compare_with_live(recorded).identical
+    moved = [row.joint_velocity_rad_s for row in recorded.fast if 8.9 < row.time_s < 9.25]
+    assert np.mean(moved) == pytest.approx(0.05, rel=0.1)
+    bent = open_recording(folder / "truth.mcap").columns("/truth/state")["deflection_m"]
+    free, damped = (np.abs(bent[at : at + 800]).max() for at in (3200, 12200))
+    assert damped < 0.3 * free
+
+
+@pytest.mark.slow
+def test_rig_and_controller_of_other_kinds_of_drive_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "model.toml").write_text(TORQUE_MODEL)
+    with pytest.raises(
+        UserError, match=r'drive\.kind = "current" of the rig and "velocity" of the controller'
+    ):
+        write_simulated_recording(
+            true_model_path=tmp_path / "model.toml",
+            assumed_model_path=MODEL,
+            scenario_name="demo",
+            seed=1,
+            recording_path=tmp_path / "rec.mcap",
+            truth_path=tmp_path / "truth.mcap",
+            images=False,
+        )
