@@ -73,8 +73,8 @@ class Controller:
         model = declared(model)
         self._model, self._model_name = model, model_name
         self._cycle_s = model.timing.cycle_s
-        commanded_joint(model, model_name)
-        refuse_driven_effects(model, model_name)
+        if commanded_joint(model, model_name) is None:
+            refuse_driven_effects(model, model_name)
         self._length = length = length_of(model, model_name)
         self._input = PlausibleInput(model, length)
         self._supervision = Supervision(model, settings, length, identified_only=identified_only)

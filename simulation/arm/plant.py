@@ -23,7 +23,8 @@ from stillarm.simulation.arm.compiled_laws import laws_of
 from stillarm.simulation.arm.effect_clock import EffectClock
 from stillarm.simulation.arm.state import make_arm, modes_of
 from stillarm.simulation.arm.stepper import advance, look, strike
-from stillarm.simulation.arm.torque_drive import advance_by_input, joint_laws, joint_numbers
+from stillarm.simulation.arm.torque_drive import advance_by_input, joint_numbers, obeyed_numbers
+from stillarm.simulation.arm.torque_joint import laws_of as laws_of_joint
 
 _MODES = 5  # place of the first deflection in what `observe` fills
 
@@ -40,7 +41,6 @@ class Plant:
         """
         check_effects(model.effects, name)
         model = declared(model)
-        refuse_driven_effects(model, name)
         joint = commanded_joint(model, name)
         self._length_m = length_of(model, name)
         self.cycle_s = model.timing.cycle_s
@@ -78,7 +78,10 @@ class Plant:
         self._seen_array = np.zeros(5 + 3 * len(rows))
         self._joint = None
         if joint is not None:
-            self._joint = joint_numbers(joint, np.array(rows)[:, 2]), joint_laws(joint)
+            obeyed = obeyed_numbers(model, joint, name)
+            self._joint = joint_numbers(joint, obeyed, np.array(rows)[:, 2]), laws_of_joint(obeyed)
+        else:
+            refuse_driven_effects(model, name)
         # All that is ever called is compiled before any clock runs: an impact's first call stood it still for 50 ms.
         if self._joint is None:
             advance(self._arm.copy(), 0.0, 0.0, 0.0, self._seen_array)

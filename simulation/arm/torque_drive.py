@@ -10,46 +10,73 @@ The joint's motion is a stretch as in joint.py, so end stops and the play behind
 not in contact pulls at nothing. An input that is no number brakes the joint, as a winding that is shorted does.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.common.causes.driven import DRIVEN_CAUSES
 from stillarm.common.files.driven_joint import DrivenJoint
+from stillarm.common.files.model import Model
+from stillarm.common.user_error import UserError
 from stillarm.simulation.arm.compiler import compiled, inlined, nth
 from stillarm.simulation.arm.joint import move, risen
 from stillarm.simulation.arm.state import Record, Records
 from stillarm.simulation.arm.stepper import free_acceleration, look, modes_through
-from stillarm.simulation.arm.torque_joint import LAWS, friction_limits, smooth_torque
+from stillarm.simulation.arm.torque_joint import friction_limits, smooth_torque
 
 Array = NDArray[np.float64]
-_GAIN, _DAMPING, _LAG, _LIMIT, _TORQUE, _PULLS = range(
-    6
-)  # places in what `joint_numbers` gives; pulls to the end
+OBEYED = (
+    "amplifier_dead_zone",
+    "gravity_load",
+    "joint_coulomb_friction",
+    "joint_stribeck_friction",
+    "joint_viscous_friction",
+    "torque_offset",
+    "torque_ripple",
+)
+"""The causes of stillarm.common.causes.driven that act between the input and the joint."""
+# places in what `joint_numbers` gives; pulls to the end
+_GAIN, _DAMPING, _LAG, _LIMIT, _ZONE, _CUT, _TORQUE, _PULLS = range(8)
 _LONGEST_S = 1e-4
 _TURN = 0.05  # rad of the fastest mode in a substep, at most
 _BRAKING_PER_S = 50.0  # d of a joint that is braked: at rest within a tenth of a second
 _MOST_PIECES = 8  # of a substep: more would be rounding errors at an end stop
 
 
-def joint_numbers(joint: DrivenJoint, pushes_m: Array) -> Array:
-    """The joint as `advance_by_input` takes it, (5 + m,), all divided by J_hub; its torque is part of the state.
+def obeyed_numbers(model: Model, joint: DrivenJoint, name: str) -> dict[str, float]:
+    """The joint's own damping and friction by the numbers of causes (stillarm.common.causes.driven), with those of the
+    model's effects in their place.
 
-    pushes_m: b_i, (m,). pull_i = m_i b_i / J_hub.
+    Raises UserError for an effect that acts on a sensor, or changes what the model states elsewhere.
+    """
+    hub = joint.hub_inertia_kg_m2
+    numbers = {"damping": joint.damping_n_m_s / hub, "coulomb": joint.coulomb_n_m / hub}
+    for index, effect in enumerate(model.effects):
+        cause = DRIVEN_CAUSES.get(str(effect["cause"]))
+        if cause is None:
+            continue
+        if cause.identifier not in OBEYED:
+            raise UserError(
+                f"{name}: effects[{index}].cause = {cause.identifier!r}: only `stillarm diagnose` obeys it; the "
+                f"simulated joint obeys {', '.join(OBEYED)}: remove it"
+            )
+        numbers |= cause.numbers_of(effect)
+    return numbers
+
+
+def joint_numbers(joint: DrivenJoint, numbers: Mapping[str, float], pushes_m: Array) -> Array:
+    """The joint as `advance_by_input` takes it, (7 + m,), all divided by J_hub; its torque is part of the state.
+
+    numbers: as `obeyed_numbers` gives them. pushes_m: b_i, (m,). pull_i = m_i b_i / J_hub.
     """
     hub = joint.hub_inertia_kg_m2
     carried = np.array(joint.carried_kg_m2)
     pulls = np.divide(carried, pushes_m, out=np.zeros_like(carried), where=carried > 0.0) / hub
     limit = np.inf if joint.limit is None else joint.limit
-    head = [joint.torque_per_input / hub, joint.damping_n_m_s / hub, joint.lag_s, limit, 0.0]
+    zone, cut = numbers.get("dead_zone", 0.0), numbers.get("dead_cut", 0.0)
+    head = [joint.torque_per_input / hub, numbers["damping"], joint.lag_s, limit, zone, cut, 0.0]
     return np.array([*head, *pulls])
-
-
-def joint_laws(joint: DrivenJoint) -> Array:
-    """The joint's dry friction as laws of torque_joint.py, (l,)."""
-    laws = np.zeros(len(LAWS))
-    laws[[LAWS.index("coulomb_positive"), LAWS.index("coulomb_negative")]] = (
-        joint.coulomb_n_m / joint.hub_inertia_kg_m2
-    )
-    return laws
 
 
 @inlined
@@ -86,11 +113,21 @@ def _accelerated(
     return 0.0 if at_stop else alpha
 
 
+@inlined
+def _passed(joint: Array, value: float) -> float:
+    """What an amplifier passes of an input: a dead zone, one that opens at once, a limit."""
+    size: float = max(abs(value) - joint[_ZONE], 0.0)
+    if size <= joint[_CUT]:
+        size = 0.0
+    size = min(size, joint[_LIMIT])
+    return size if value > 0.0 else -size
+
+
 @compiled
 def _driven(arm: Record, joint: Array, laws: Array, t: float, span: float, value: float) -> None:
     """Move on by a part of a cycle over which the input is held."""
     braked = np.isnan(value)
-    wanted = 0.0 if braked else joint[_GAIN] * min(max(value, -joint[_LIMIT]), joint[_LIMIT])
+    wanted = 0.0 if braked else joint[_GAIN] * _passed(joint, value)
     damping = joint[_DAMPING] + (_BRAKING_PER_S if braked else 0.0)
     longest = _LONGEST_S
     for i in range(arm.modes):
@@ -119,8 +156,8 @@ def advance_by_input(
     """A cycle under a drive's input, and what there is to see at its end (stepper.look). t: from the recording's start,
     s.
 
-    joint, laws: as `joint_numbers` and `joint_laws` give them; the torque in `joint` moves on. early, late: input
-    before and after a command's arrival in the cycle, in its unit.
+    joint, laws: as `joint_numbers` and `torque_joint.laws_of` give them; the torque in `joint` moves on. early, late:
+    input before and after a command's arrival in the cycle, in its unit.
     """
     arm = arms[0]
     _driven(arm, joint, laws, t, arm.early, early)

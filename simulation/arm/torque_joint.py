@@ -17,7 +17,9 @@ sticks and breaks loose without a search for the instant (Moreau, Unilateral con
 laws act at the step's middle, as extrapolated. Errors are of second order in the step, of first where the joint turns.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +53,25 @@ CP, CN, SP, SN, SV, V2, VA, RS, RC, RN, GS, GC, OFF, K3, Q3, QC = range(len(LAWS
 TINY = 1e-12
 """rad/s, below which friction that is larger at rest has no velocity over which it fades."""
 _TERMS = 14  # of a matrix of norm 1/4: 1/14! (1/4)^14 is below 1e-19
+
+
+def laws_of(numbers: Mapping[str, float]) -> Array:
+    """The numbers of LAWS, (l,), from those that causes are stated by (stillarm.common.causes.driven).
+
+    Those tell friction by its mean over both directions and half the difference.
+    """
+    law = {name: numbers.get(name, 0.0) for name in LAWS}
+    mean, half = numbers.get("coulomb", 0.0), numbers.get("coulomb_difference", 0.0)
+    law["arm_cubic"] += numbers.get("arm_cubic_over_w2", 0.0) * exp(2.0 * numbers.get("log_w_1", 0.0))
+    # a turn of the joint is no turn of the angle that is measured: a wave in the place of a ripple's
+    if numbers.get("gravity_cycles", 0.0) > 0.0:
+        law["ripple_sine"], law["gravity_sine"] = law["gravity_sine"], 0.0
+        law["ripple_cosine"], law["gravity_cosine"] = law["gravity_cosine"], 0.0
+        law["ripple_cycles"] = numbers["gravity_cycles"]
+    law["coulomb_positive"], law["coulomb_negative"] = max(mean + half, 0.0), max(mean - half, 0.0)
+    law["stribeck_positive"] = law["stribeck_negative"] = numbers.get("stribeck", 0.0)
+    law["stribeck_velocity"] = exp(min(numbers.get("log_stribeck_velocity", 0.0), 10.0))
+    return np.array(list(law.values()))
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.greybox.greybox import PARTS_OF_PLAY, Geared, GreyBox, Steps, on_motor
 from stillarm.diagnosis.driven.greybox.input_path import before_and_after
-from stillarm.diagnosis.driven.greybox.laws import Numbers, laws_of
+from stillarm.diagnosis.driven.greybox.laws import Numbers
 from stillarm.diagnosis.driven.greybox.play_side_by_side import play_side_by_side
 from stillarm.diagnosis.driven.greybox.sensing import (
     is_late,
@@ -18,6 +18,7 @@ from stillarm.diagnosis.driven.greybox.sensing import (
 )
 from stillarm.diagnosis.driven.greybox.side_by_side import is_linear, run_side_by_side
 from stillarm.diagnosis.driven.recording.own import numbers_in
+from stillarm.simulation.arm.torque_joint import laws_of
 
 Array = NDArray[np.float64]
 

@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.greybox.input_path import OF_INPUT, before_and_after, reaching
-from stillarm.diagnosis.driven.greybox.laws import OF_JOINT, Numbers, laws_of, pull_of
+from stillarm.diagnosis.driven.greybox.laws import OF_JOINT, Numbers, pull_of
 from stillarm.diagnosis.driven.greybox.sensing import Motion, is_late, seen
 from stillarm.diagnosis.driven.recording.own import numbers_in
 from stillarm.diagnosis.driven.recording.regression import joint_motion
 from stillarm.diagnosis.driven.recording.signals import Driven, Output
 from stillarm.diagnosis.driven.recording.stack import Stack
 from stillarm.simulation.arm.geared_joint import link_of, play_run
-from stillarm.simulation.arm.torque_joint import LinearJoint, torque_run, transition
+from stillarm.simulation.arm.torque_joint import LinearJoint, laws_of, torque_run, transition
 
 Array = NDArray[np.float64]
 

@@ -1,9 +1,11 @@
 """The arm under a drive's input, against its mass matrix and scipy's integrator, and against plain statements."""
 
-from math import nan
+from collections.abc import Callable
+from math import cos, nan, sin
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from stillarm.common.files.model import Mode, Model
 from stillarm.common.user_error import UserError
@@ -102,3 +104,57 @@ def test_an_effect_on_velocity_commands_is_refused() -> None:
     deadband = {"cause": "drive_deadband", "deadband_rad_s": 0.01}
     with pytest.raises(UserError, match=r'm\.toml: effects: one of them acts on velocity commands.*"torque"'):
         Plant(Model(arm=model.arm, drive=model.drive, effects=[deadband]), "m.toml")
+
+
+def with_effects(*effects: dict[str, str | float]) -> Model:
+    model = torque_model(Mode(modal_mass_kg=0.0001), **WIDE)
+    return Model(arm=model.arm, drive=model.drive, effects=list(effects))
+
+
+def rigid_peer(torque: Callable[[float, float, float], float], seconds: float) -> tuple[float, float]:
+    """theta and theta' of a rigid joint of 12 kg m^2 under a torque of (t, theta, theta'), by scipy."""
+    solved = solve_ivp(
+        lambda t, y: [y[1], torque(t, y[0], y[1]) / 12.0], (0.0, seconds), [0.0, 0.0], rtol=1e-9, atol=1e-12
+    )
+    return solved.y[0, -1], solved.y[1, -1]
+
+
+@pytest.mark.parametrize(
+    ("effects", "torque"),
+    [
+        (
+            [{"cause": "torque_ripple", "sine_rad_s2": 0.1, "cosine_rad_s2": 0.3, "cycles_per_rad": 20.0}],
+            lambda t, theta, omega: 4.0 + 12.0 * (0.1 * sin(20.0 * theta) + 0.3 * cos(20.0 * theta)),
+        ),
+        (
+            [
+                {"cause": "gravity_load", "sine_rad_s2": -2.0},
+                {"cause": "torque_offset", "offset_rad_s2": 0.1},
+            ],
+            lambda t, theta, omega: 4.0 + 12.0 * (0.1 - 2.0 * sin(theta)),
+        ),
+        (
+            [{"cause": "joint_viscous_friction", "damping_per_s": 2.0, "square_per_rad": 0.5}],
+            lambda t, theta, omega: 4.0 - 12.0 * (2.0 + 0.5 * abs(omega)) * omega,
+        ),
+        (
+            [{"cause": "joint_coulomb_friction", "coulomb_rad_s2": 0.1, "difference_rad_s2": 0.05}],
+            lambda t, theta, omega: 4.0 - 12.0 * 0.15,
+        ),
+        ([{"cause": "amplifier_dead_zone", "dead_zone": 1.5}], lambda t, theta, omega: 2.5),
+        ([{"cause": "amplifier_dead_zone", "dead_cut": 3.0}], lambda t, theta, omega: 4.0),
+        ([{"cause": "amplifier_dead_zone", "dead_cut": 5.0}], lambda t, theta, omega: 0.0),
+    ],
+)
+def test_a_declared_effect_of_the_joint_acts_by_its_equation(
+    effects: list[dict[str, str | float]], torque: Callable[[float, float, float], float]
+) -> None:
+    moved = run(with_effects(*effects), np.full(800, 4.0))
+    np.testing.assert_allclose(moved[-1, :2], rigid_peer(torque, 0.8), rtol=1e-3, atol=1e-9)
+
+
+def test_an_effect_on_a_driven_joint_s_sensor_is_refused_in_one_line() -> None:
+    with pytest.raises(
+        UserError, match=r"m\.toml: effects\[0\]\.cause = 'sensor_lag': only `stillarm diagnose`"
+    ):
+        Plant(with_effects({"cause": "sensor_lag", "lag_s": 0.01, "channel": "joint_position_rad"}), "m.toml")

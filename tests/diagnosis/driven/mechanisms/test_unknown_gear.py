@@ -6,7 +6,6 @@ import pytest
 
 from stillarm.common.causes.driven import DRIVEN_CAUSES
 from stillarm.diagnosis.driven.fitting.freedom import STATED
-from stillarm.diagnosis.driven.greybox.laws import laws_of
 from stillarm.diagnosis.driven.mechanisms.unknown_gear import (
     gear_is_unknown,
     gravity_behind_a_gear,
@@ -15,7 +14,7 @@ from stillarm.diagnosis.driven.mechanisms.unknown_gear import (
 from stillarm.diagnosis.driven.recording.blocks import irregular
 from stillarm.diagnosis.driven.search.search import tried_forms
 from stillarm.diagnosis.driven.starts.start import linear_start
-from stillarm.simulation.arm.torque_joint import GC, GS, RC, RN, RS
+from stillarm.simulation.arm.torque_joint import GC, GS, RC, RN, RS, laws_of
 from tests.fixtures.driven_world import driven_of
 from tests.hidden_world.driven.case import make
 
