@@ -45,9 +45,10 @@ A closed damping loop hides what the arm does by itself: for the arm's causes re
 _DRIVEN_HEAD = """## The joint that a torque, a current or a voltage drives
 
 `stillarm diagnose` names these where such an input was recorded ([measured-rigs.md](measured-rigs.md)), and states
-them in extended.toml; `simulate`, `replay` and the daemons refuse a model with one of them in one line. theta is the
-joint's angle; all torques are divided by the hub's inertia. gear_backlash, drive_saturation, coulomb_damping,
-cubic_stiffness and accelerometer_lag, above, are named there as well.
+them in extended.toml. `simulate` and the rig obey those between the input and the joint (friction, ripple, gravity, offset,
+dead zone) where the model states such a joint, and refuse the others in one line. theta is the joint's angle; all torques
+are divided by the hub's inertia. gear_backlash, drive_saturation, coulomb_damping, cubic_stiffness and
+accelerometer_lag, above, are named there as well.
 """
 _TELLS_APART = (
     "move the joint to and fro at several constant speeds, slow ones too, and let it rest in several places"
