@@ -45,9 +45,9 @@ A closed damping loop hides what the arm does by itself: for the arm's causes re
 _DRIVEN_HEAD = """## The joint that a torque, a current or a voltage drives
 
 `stillarm diagnose` names these where such an input was recorded ([measured-rigs.md](measured-rigs.md)), and states
-them in extended.toml. `simulate` and the rig obey those between the input and the joint (friction, ripple, gravity, offset,
-dead zone) where the model states such a joint, and refuse the others in one line. theta is the joint's angle; all torques
-are divided by the hub's inertia. gear_backlash, drive_saturation, coulomb_damping, cubic_stiffness and
+them in extended.toml. `simulate` and the rig obey those between the input and the joint (friction, ripple, gravity,
+offset, dead zone) where the model states such a joint, and refuse the others in one line. theta is the joint's angle;
+all torques are divided by the hub's inertia. gear_backlash, drive_saturation, coulomb_damping, cubic_stiffness and
 accelerometer_lag, above, are named there as well.
 """
 _TELLS_APART = (

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.driven.fitting.bounds import LONGEST_DELAY_S
 from stillarm.diagnosis.driven.fitting.fitting import DrivenFit
 from stillarm.diagnosis.driven.fitting.freedom import (
     STATED,
@@ -27,6 +28,7 @@ from stillarm.diagnosis.driven.mechanisms.anew import anew_with
 from stillarm.diagnosis.driven.mechanisms.gaps import gaps
 from stillarm.diagnosis.driven.mechanisms.missing import missing_force
 from stillarm.diagnosis.driven.mechanisms.rubbing import anew_with_friction
+from stillarm.diagnosis.driven.mechanisms.shifts import best_shift
 from stillarm.diagnosis.driven.mechanisms.unknown_gear import (
     gear_is_unknown,
     gravity_behind_a_gear,
@@ -42,6 +44,7 @@ STRUCTURE = ""
 AMPLIFIER_LAG = "a lag of the amplifier"
 STIFF_JOINT = "a stiffness of the joint"
 _NO_NUMBER = ("late", STEADY)  # a mark; an initial state, as each block has
+_FAR = 2  # samples: to which the usual starts lead
 _SLIGHT = 0.1  # samples: a jump behind a longer lag is another shape, which no first order leads to
 _HUNDREDTH = 0.01  # of the usual force: as good as none, and clear of rounding
 
@@ -275,9 +278,17 @@ def _more(*names: str) -> Callable[[DrivenFit], Starts]:
 
 
 def _delays(name: str) -> Callable[[DrivenFit], Starts]:
+    """Begins, too, where the simulation looks most like the sensor: past half a period of what vibrates, no fit leads
+    from a short delay to a long one."""
+
     def starts(fitted: DrivenFit) -> Starts:
-        for samples in (_SLIGHT, 2.0, -2.0):
-            yield {f"delay {name}": samples * fitted.box.driven.step_s}
+        driven = fitted.box.driven
+        measured = next(one.values for one in driven.outputs if one.name == name)
+        longest = round(LONGEST_DELAY_S / driven.step_s)
+        shift = best_shift(measured, fitted.run.outputs[name], longest)
+        far = (float(shift),) if abs(shift) > _FAR else ()
+        for samples in (_SLIGHT, 2.0, -2.0, *far):
+            yield {f"delay {name}": samples * driven.step_s}
 
     return starts
 
