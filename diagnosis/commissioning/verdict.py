@@ -27,10 +27,12 @@ _MISSED_S = 0.02  # of cycles in a row: no drive's watchdog lets go within less
 
 @dataclass(frozen=True)
 class CommissioningVerdict:
-    """good: the model may be damped by. text: one line."""
+    """good: the model may be damped by. text: one line. missed_s: for how long the controller missed its cycles while
+    the joint moved, where the model is not good."""
 
     good: bool
     text: str
+    missed_s: float = 0.0
 
 
 def judge(found: Calibration, measured: Measured) -> CommissioningVerdict:
@@ -47,13 +49,15 @@ def judge(found: Calibration, measured: Measured) -> CommissioningVerdict:
         f"image {model.camera.scale_px_per_m:+.4g} px/m, accelerometer x {model.accelerometer.scale:+.3g}, "
         f"images {1e3 * model.timing.capture_delay_s:.0f} ms late"
     )
-    if doubts and (missed_s := _missed_while_moving(measured)) > 0.0:
+    missed_s = _missed_while_moving(measured) if doubts else 0.0
+    if missed_s > 0.0:
         doubts.append(
             f"the controller missed its cycles for {missed_s:.2g} s while the joint moved, and nothing tells what the "
             "drive did then: close other programs, and commission again"
         )
     if doubts:
-        return CommissioningVerdict(False, f"not good enough to damp by ({line}): {'; '.join(doubts)}")
+        said = f"not good enough to damp by ({line}): {'; '.join(doubts)}"
+        return CommissioningVerdict(False, said, missed_s)
     return CommissioningVerdict(True, f"good to damp by: {line}")
 
 

@@ -121,13 +121,15 @@ class _Guide:
     """Shows the progress, and asks the operator to strike the arm when it is time."""
 
     def __init__(self, progress: Callable[[float], None], strike_s: float) -> None:
-        self._progress, self._strike_s, self._asked = progress, strike_s, strike_s == 0.0
+        self._progress, self._strike_s = progress, strike_s
+        self._asked_in = ""
 
     def __call__(self, name: str, done_s: float, of_s: float) -> None:
-        """Update the progress. Both parts take about equally long, and the fit is the rest."""
-        self._progress(0.45 * min(done_s / of_s, 1.0) + (0.45 if name == "moves" else 0.0))
-        if name == "moves" and not self._asked and done_s > of_s - self._strike_s:
-            self._asked = True
+        """Update the progress. Both parts take about equally long, and the fit is the rest; moves may be repeated."""
+        moves = name != "probe"
+        self._progress(0.45 * min(done_s / of_s, 1.0) + (0.45 if moves else 0.0))
+        if moves and self._strike_s > 0.0 and self._asked_in != name and done_s > of_s - self._strike_s:
+            self._asked_in = name
             print(f"strike the arm now, once or twice, within {self._strike_s:g} s", flush=True)
 
 

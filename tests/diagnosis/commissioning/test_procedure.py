@@ -24,7 +24,7 @@ from stillarm.diagnosis.calibration.start_values import Start, start_values
 from stillarm.diagnosis.commissioning import procedure
 from stillarm.diagnosis.commissioning.plan import Limits, probe, within
 from stillarm.diagnosis.commissioning.procedure import commission, until
-from stillarm.diagnosis.commissioning.verdict import marked
+from stillarm.diagnosis.commissioning.verdict import CommissioningVerdict, marked
 from stillarm.diagnosis.commissioning.watch import Bounds
 from stillarm.diagnosis.data.measured import Frames, Measured
 from stillarm.diagnosis.data.reading import read_measured
@@ -185,3 +185,40 @@ def test_moves_that_a_bound_ends_are_made_once_more_slower(
     assert fastest["moves_slower"] == pytest.approx(0.6 * fastest["moves"])
     assert any("once more, at 0.6 of the velocity" in line for line in told)
     assert measured.name == "moves_slower" and measured.duration_s > 10.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("missed_s", "names"),
+    [
+        ((0.0,), ["moves"]),
+        ((0.2, 0.0), ["moves", "moves_again_1"]),
+        ((0.2, 0.1, 0.3), ["moves", "moves_again_1", "moves_again_2"]),
+    ],
+)
+def test_moves_in_which_cycles_were_missed_are_made_again_where_the_model_is_not_good(
+    missed_s: tuple[float, ...],
+    names: list[str],
+    probed: Measured,
+    rough: Start,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Twice at most; the last ones are judged."""
+    moved, told, rests = list[str](), list[str](), list[float]()
+    verdicts = iter(CommissioningVerdict(missed == 0.0, "not good; why", missed) for missed in missed_s)
+
+    def record(name: str, scenario: Scenario, bounds: Bounds) -> Measured:
+        if name == "probe":
+            return probed
+        moved.append(name)
+        return still(name, scenario, bounds)
+
+    monkeypatch.setattr(procedure, "start_values", lambda measured, model: rough)
+    monkeypatch.setattr(procedure, "calibrate", lambda *given: None)
+    monkeypatch.setattr(procedure, "judge", lambda found, measured: next(verdicts))
+    done = commission(record, assumed_model(), LIMITS, rest=rests.append, tell=told.append)
+    assert moved == names
+    assert done.measured.name == names[-1]
+    assert len(rests) == len(names) - 1
+    assert sum("the moves once more" in line for line in told) == len(names) - 1
+    assert done.verdict.good == (missed_s[-1] == 0.0)
