@@ -21,6 +21,7 @@ _SLOWEST_BUS_HZ = 300_000
 _READ_BITS = 93  # of a transfer of 7 bytes: 10 bytes of 9 bits, two starts, a stop
 _WRONG_SIZE = 0.08  # of gravity: zero-g offset plus scale error of the worst of the supported parts
 _TILT_M_S2 = 1.7  # 10 degrees
+_MOST_MISSING = 0.02  # of the reads: more is a fault
 _STUCK_READS = 50  # fewest samples of a working sensor in the time of the check
 _QUIETEST = 0.02  # of the model's noise
 _LOUDEST, _LOUD = 4.0, 2.0  # times the model's noise: fails, warns
@@ -33,7 +34,8 @@ class SensorFacts:
     """What was observed of the accelerometer.
 
     identity: as the device states it. acceleration_m_s2: fresh samples along the sensor's axes, shape (n, 3). span_s:
-    duration. missing: reads without a sample. rate_hz: the device's setting. fastest_read_s: time of a bus transfer.
+    duration. missing: reads without a sample; longest_missing: of these, so many in a row at most. rate_hz: the
+    device's setting. fastest_read_s: time of a bus transfer.
     """
 
     identity: str
@@ -41,6 +43,7 @@ class SensorFacts:
     span_s: float
     reads: int
     missing: int
+    longest_missing: int
     rate_hz: float
     fastest_read_s: float
 
@@ -86,7 +89,7 @@ def read_sensor(
 ) -> SensorFacts:
     """Read a started accelerometer once a cycle for a while."""
     samples: list[tuple[float, float, float]] = []
-    reads = missing = 0
+    reads = missing = in_a_row = longest = 0
     fastest = float("inf")
     begun = clock()
     while (now := clock()) < begun + span_s:
@@ -96,8 +99,10 @@ def read_sensor(
         reading = accelerometer.last_reading()
         if reading.status == SampleStatus.FRESH:
             samples.append(reading.acceleration_xyz_m_s2)
-        elif reading.status != SampleStatus.HELD:
-            missing += 1
+        lacks = reading.status not in (SampleStatus.FRESH, SampleStatus.HELD)
+        missing += lacks
+        in_a_row = in_a_row + 1 if lacks else 0
+        longest = max(longest, in_a_row)
         sleep(max(0.0, begun + reads * cycle_s - clock()))
     span_s = clock() - begun
     try:
@@ -110,6 +115,7 @@ def read_sensor(
         span_s,
         reads,
         missing,
+        longest,
         accelerometer.rate_hz,
         fastest,
     )
@@ -134,12 +140,23 @@ def judge_sensor(facts: SensorFacts, device: AccelerometerDevice, model: Model) 
     return [*verdicts, stuck, *_judge_gravity(facts, device, direction)]
 
 
+def judge_pause(facts: SensorFacts) -> Verdict | None:
+    """A warning where too many reads gave no sample, most of them in one row: a look to be repeated. Else None."""
+    if facts.missing <= _MOST_MISSING * facts.reads or 2 * facts.longest_missing < facts.missing:
+        return None
+    return warn(
+        "sensor",
+        f"{facts.longest_missing} reads in a row gave no sample, as when a computer is paused or a plug is loose; "
+        "looked again",
+    )
+
+
 def _judge_rate(facts: SensorFacts, cycle_s: float) -> Verdict:
     reached = len(facts.acceleration_m_s2) / facts.span_s
     asked = facts.reads / facts.span_s
     possible = min(facts.rate_hz, asked)
     text = f"{reached:.0f} fresh samples in {asked:.0f} reads a second (set to {facts.rate_hz:g})"
-    if facts.missing > 0.02 * facts.reads:
+    if facts.missing > _MOST_MISSING * facts.reads:
         return fail(
             "sensor",
             f"{facts.missing} of {facts.reads} reads gave no sample; check wiring, pull-ups and cable length",

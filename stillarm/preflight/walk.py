@@ -28,7 +28,14 @@ from stillarm.preflight.link import (
     port_is_free,
 )
 from stillarm.preflight.machine import judge_machine, look_at_machine
-from stillarm.preflight.sensor import could_not_start, declared_bus_hz, judge_bus, judge_sensor, read_sensor
+from stillarm.preflight.sensor import (
+    could_not_start,
+    declared_bus_hz,
+    judge_bus,
+    judge_pause,
+    judge_sensor,
+    read_sensor,
+)
 from stillarm.preflight.step_time import check_step
 from stillarm.preflight.verdict import Verdict, fail, ok, warn
 
@@ -101,6 +108,9 @@ def look_at_sensor(configuration: Configuration, model: Model) -> Iterator[Verdi
         return
     try:
         facts = read_sensor(accelerometer, model.timing.cycle_s, SENSOR_S)
+        if (pause := judge_pause(facts)) is not None:
+            yield pause
+            facts = read_sensor(accelerometer, model.timing.cycle_s, SENSOR_S)
     finally:
         accelerometer.close()
     if device.bus.startswith("/dev/i2c-") and device.driver not in _SERIAL:
