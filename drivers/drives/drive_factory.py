@@ -52,8 +52,12 @@ def check_driver_of_inputs(config: DriveDevice, kind: str) -> None:
         )
 
 
-def probe_drive(config: DriveDevice, key: bytes, span_s: float) -> DriveProbe:
-    """Ask the configured drive without arming it. Raises UserError if it does not answer."""
+def probe_drive(config: DriveDevice, key: bytes, span_s: float, model: Model | None = None) -> DriveProbe:
+    """Ask the configured drive without arming it. model: as of `open_drive`. Raises UserError if it does not answer, or
+    does not take what the model says that it obeys."""
+    takes_inputs = model is not None and model.drive.kind != "velocity"
+    if model is not None and takes_inputs:
+        check_driver_of_inputs(config, model.drive.kind)
     if config.driver == "odrive":
         from stillarm.drivers.drives.odrive_drive import OdriveDrive
 
@@ -66,4 +70,4 @@ def probe_drive(config: DriveDevice, key: bytes, span_s: float) -> DriveProbe:
         from stillarm.drivers.drives.mcp4725_drive import Mcp4725Drive
 
         return Mcp4725Drive(config, wait_s=0.0).probe(span_s)
-    return greet_gateway(config, key, span_s)
+    return greet_gateway(config, key, span_s, takes_inputs=takes_inputs)

@@ -132,38 +132,62 @@ def greet_gateway(
     key: bytes,
     span_s: float,
     *,
+    takes_inputs: bool = False,
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
 ) -> DriveProbe:
-    """Ask a gateway for its identity with commands and inputs of zero that do not echo its session: it answers those
-    of its kind and obeys none.
+    """Ask a gateway for its identity with commands of zero that do not echo its session: it answers and obeys none.
 
-    Raises UserError if it does not answer, or if the port is in use (a controller runs).
+    takes_inputs: whether the model says that the drive obeys inputs. Raises UserError if the gateway does not answer,
+    if it takes the other kind of command, or if the port is in use (a controller runs).
     """
-    session = new_session()
-    peer = Peer(key, _TAKES, session)
     socket = UdpSocket((config.local_host, config.local_port), "drive.local_port")
     place = f"{config.gateway_host}:{config.gateway_port}"
-    greetings = 0
+    bodies: tuple[Message, Message] = (DriveInput(0.0), DriveCommand(0.0))
+    meant, other = bodies if takes_inputs else bodies[::-1]
     try:
-        until = clock() + span_s
-        while clock() < until:
-            for body in (DriveCommand(0.0), DriveInput(0.0)):
-                socket.send(peer.encode(body, echo=0), (config.gateway_host, config.gateway_port))
-            sleep(_ASK_EVERY_S)
-            for data in socket.drain(_MAX_DATAGRAMS):
-                greetings += peer.receive(data) is not None
+        heard, forged = _greetings(socket, config, key, span_s, meant, clock, sleep)
+        others = 0 if heard else _greetings(socket, config, key, span_s, other, clock, sleep)[0]
     finally:
         socket.close()
-    if peer.counts.forged and not greetings:
+    if others:
+        taken, kinds = (
+            ("velocities", '"velocity"') if takes_inputs else ("inputs", '"torque", "current" or "voltage"')
+        )
+        raise UserError(
+            f"drive.gateway_port = {config.gateway_port}: the gateway at {place} takes {taken}, which the model's "
+            f"drive.kind does not say; set it to {kinds}, or the gateway to what the drive obeys"
+        )
+    if forged and not heard:
         raise UserError(
             f"drive.gateway_host: {place} answers with another signature: the keys differ; copy one link.key_file to "
             "controller and gateway"
         )
-    if not greetings:
+    if not heard:
         raise UserError(
             f"drive.gateway_port = {config.gateway_port}: no gateway answers at {place}; check its power and cable, "
             "start it (the simulated rig: `stillarm rig`), give it the same key, or correct drive.gateway_host and "
             "gateway_port"
         )
-    return DriveProbe(f"gateway at {place}", greetings, span_s, nan)
+    return DriveProbe(f"gateway at {place}", heard, span_s, nan)
+
+
+def _greetings(
+    socket: UdpSocket,
+    config: DriveDevice,
+    key: bytes,
+    span_s: float,
+    body: Message,
+    clock: Callable[[], float],
+    sleep: Callable[[float], None],
+) -> tuple[int, int]:
+    """How many answers a command that does not echo the gateway's session has within a span, and how many of another
+    signature."""
+    peer = Peer(key, _TAKES, new_session())
+    answers = 0
+    until = clock() + span_s
+    while clock() < until:
+        socket.send(peer.encode(body, echo=0), (config.gateway_host, config.gateway_port))
+        sleep(_ASK_EVERY_S)
+        answers += sum(peer.receive(data) is not None for data in socket.drain(_MAX_DATAGRAMS))
+    return answers, peer.counts.forged

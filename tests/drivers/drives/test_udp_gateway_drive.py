@@ -177,9 +177,11 @@ def test_factory() -> None:
 
 
 @pytest.mark.parametrize("takes", [DriveCommand, DriveInput])
-def test_a_gateway_of_either_kind_answers_who_asks_it_and_obeys_nothing(
-    takes: type[DriveCommand] | type[DriveInput],
+@pytest.mark.parametrize("takes_inputs", [False, True])
+def test_a_gateway_answers_who_asks_it_for_what_it_takes_and_obeys_nothing(
+    takes: type[DriveCommand] | type[DriveInput], takes_inputs: bool
 ) -> None:
+    """Where the model says otherwise of the drive, that is told."""
     gateway = DriveGateway(KEY, takes=takes)
     gateway_socket = DriveGatewaySocket(gateway, ("127.0.0.1", 0))
     clock = Clock()
@@ -189,7 +191,14 @@ def test_a_gateway_of_either_kind_answers_who_asks_it_and_obeys_nothing(
         gateway_socket.take(clock.now)
 
     config = DriveDevice(gateway_port=gateway_socket.address[1], local_port=0)
-    probe = greet_gateway(config, KEY, 0.2, clock=clock, sleep=sleep)
-    assert probe.reports > 0
+
+    def greet() -> int:
+        return greet_gateway(config, KEY, 0.2, takes_inputs=takes_inputs, clock=clock, sleep=sleep).reports
+
+    if takes_inputs == (takes is DriveInput):
+        assert greet() > 0
+    else:
+        with pytest.raises(UserError, match="takes velocities" if takes_inputs else "takes inputs"):
+            greet()
     assert gateway.counts.accepted == 0
     gateway_socket.close()
