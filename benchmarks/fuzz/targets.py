@@ -24,7 +24,7 @@ from stillarm.common.datagrams.datagram import (
     decode,
     kind_of,
 )
-from stillarm.common.datagrams.messages import MESSAGES
+from stillarm.common.datagrams.messages import MESSAGES, DriveInput
 from stillarm.common.files.configuration import Configuration
 from stillarm.common.files.model import Model, check_model
 from stillarm.common.files.scenario import Scenario
@@ -65,6 +65,7 @@ def exchanges(data: bytes) -> None:
     supervisor = SupervisorExchange(DEMO_KEY, _OWN, 2)
     reference = ReferenceExchange(DEMO_KEY, _OWN)
     gateway = DriveGateway(DEMO_KEY, _OWN)
+    of_inputs = DriveGateway(DEMO_KEY, _OWN, DriveInput)
     for message in MESSAGES:
         padded = (fields + [0] * 20)[: len(message.__struct_fields__)]
         try:
@@ -76,6 +77,9 @@ def exchanges(data: bytes) -> None:
         supervisor.take([signed], 0.5)
         reference.take([signed], 0.5)
         gateway.receive(signed, 0.5)
+        of_inputs.receive(signed, 0.5)
+    value = of_inputs.input_command(0.5)
+    assert value is None or isfinite(value)
     velocity, _ = reference.reference(0.5)
     assert isfinite(velocity) and isfinite(gateway.velocity_command(0.5))
     assert supervisor.latest.cycle >= -1

@@ -45,10 +45,19 @@ def make(seed: int, cause: str, longest_s: float = 60.0) -> Case:
             return Case(rig, scales, None, 0.0, record(rig), {}, {}, 0.0)
         if CAUSES[cause].stated:
             rig = replace(rig, stated=True)
+        if cause == "sensor_scale" and not tells_scales(rig):
+            continue
         case = _sized(rig, scales, _effect(rig, cause, attempt), attempt)
         if case is not None:
             return case
     raise RuntimeError(f"case {seed}: {cause} does not show between {FAINTEST:g} and {LARGEST:g} deviations")
+
+
+def tells_scales(rig: Rig) -> bool:
+    """Whether a sensor's scale can be told: by a command of known unit, or by another sensor of one. Else the command's
+    unknown unit makes up for it."""
+    known = [one for one in rig.channels if not one.unit.endswith("_v")]
+    return rig.drive.log_unit == "si" or len(known) > 1
 
 
 def _effect(rig: Rig, cause: str, attempt: int) -> Effect:

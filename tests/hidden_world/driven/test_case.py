@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.hidden_world.driven.case import FAINTEST, LARGEST, make
+from tests.hidden_world.driven.case import FAINTEST, LARGEST, make, tells_scales
 from tests.hidden_world.driven.draw import KINDS, draw_rig
 from tests.hidden_world.driven.effects import CAUSES, SENSOR_CAUSES
 from tests.hidden_world.driven.files import write_case
@@ -61,6 +61,18 @@ def test_rigs_are_of_all_kinds() -> None:
     assert {r.excitation.closed for r in rigs} == {True, False}
     assert {r.drive.log_unit for r in rigs} == {"si", "counts", "percent"}
     assert {r.drive.gear_ratio > 1.0 for r in rigs} == {True, False}
+
+
+def test_a_scale_is_hidden_only_where_it_can_be_told() -> None:
+    """One sensor of known unit beside a command of none: the command's unit makes up for its scale."""
+    rig = make(17, "sensor_scale", SHORT_S).rig
+    assert tells_scales(rig)
+    alone = replace(rig.channels[0], unit="rad"), replace(rig.channels[0], unit="strain_v")
+    for unit, told in (("counts", False), ("si", True)):
+        drive = replace(rig.drive, log_unit=unit)
+        assert tells_scales(replace(rig, drive=drive, channels=alone)) is told
+    both = replace(rig.channels[0], unit="rad"), replace(rig.channels[0], unit="m/s2")
+    assert tells_scales(replace(rig, drive=replace(rig.drive, log_unit="counts"), channels=both))
 
 
 def test_every_cause_is_hidden_as_often_as_the_others() -> None:
