@@ -117,6 +117,7 @@ class LinkSample(msgspec.Struct, frozen=True, gc=False):
     drive_lost: Annotated[int, about("as `lost`")] = 0
     drive_refused: Annotated[int, about("all that the drive's socket did not take")] = 0
     drive_ignored: Annotated[int, about("states that are not finite")] = 0
+    drive_tripped: Annotated[int, about("1: the velocity loop has given up a joint that ran away")] = 0
     recorder_alive: Annotated[bool, about("whether the recorder's process runs")] = True
     values_refused: Annotated[
         int, about("of the controller's input, as not plausible; the log names them")

@@ -154,6 +154,7 @@ class LiveDevices:
                 "drive_lost": counts.lost,
                 "drive_refused": counts.refused,
                 "drive_ignored": drive.ignored,
+                "drive_tripped": int(drive.tripped),
             }
             shed += drive.shed
             failures += drive.send_failures

@@ -61,6 +61,11 @@ class UdpGatewayDrive:
         return self._peer.counts
 
     @property
+    def tripped(self) -> bool:
+        """Whether the velocity loop has given the joint up as run away."""
+        return self._loop is not None and self._loop.tripped
+
+    @property
     def shed(self) -> int:
         """Datagrams that the kernel turned away in a flood, or had no room for."""
         return self._socket.shed if self._socket is not None else 0
@@ -106,7 +111,7 @@ class UdpGatewayDrive:
             datagram = self._peer.receive(data)
             if datagram is not None and isinstance(datagram.body, DriveState):
                 self._take(datagram.body)
-        age_s = inf if self._loop is not None and self._loop.tripped else self._clock() - self._arrived_s
+        age_s = inf if self.tripped else self._clock() - self._arrived_s
         self._seen = JointState(self._position, self._velocity, age_s)
         return self._seen
 

@@ -17,10 +17,11 @@ margin at w_c, w_i another quarter.
 """
 
 from collections import deque
-from math import inf, isfinite, nan, pi
+from math import expm1, isfinite, nan, pi
 
 from stillarm.common.files.driven_joint import commanded_joint
 from stillarm.common.files.model import Model
+from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.drive import JointState
 
 OLDEST_STATE_S = 0.02
@@ -38,21 +39,28 @@ class VelocityLoop:
     """Velocity commands in, the drive's input out."""
 
     def __init__(self, model: Model, name: str = "model") -> None:
-        """Raises UserError for a model whose joint a velocity drives or no rig can have."""
+        """Raises UserError for a joint that no rig can have or whose input no limit is stated of, ValueError for one
+        that follows velocities."""
         joint = commanded_joint(model, name)
         if joint is None:
             raise ValueError("a joint that follows velocities needs no loop")
+        if joint.limit is None:
+            raise UserError(
+                f"{name}: drive.input_limit: needed where the velocity loop commands the joint, and absent; give the "
+                "largest input that the drive may have for as long as it asks for it"
+            )
         drive, cycle_s = model.drive, model.timing.cycle_s
         self._joint = joint
         self._cycle_s = cycle_s
-        self._decay, self._most = 2.0 * pi * drive.bandwidth_hz, drive.max_acceleration_rad_s2
+        decay = 2.0 * pi * drive.bandwidth_hz
+        self._share, self._most = -expm1(-decay * cycle_s), drive.max_acceleration_rad_s2
         self._fastest = drive.max_velocity_rad_s
         self._inertia = joint.hub_inertia_kg_m2 + sum(joint.carried_kg_m2)
         delay_s = drive.dead_time_s + joint.lag_s
-        crossover = min(self._decay, _DELAY_RAD / (delay_s + 1.5 * cycle_s))
+        crossover = min(decay, _DELAY_RAD / (delay_s + 1.5 * cycle_s))
         self._gain = joint.hub_inertia_kg_m2 * crossover
         self._integral_gain = self._gain * _INTEGRAL_SHARE * crossover
-        self._limit_n_m = abs(joint.torque_per_input) * joint.limit if joint.limit is not None else inf
+        self._limit_n_m = abs(joint.torque_per_input) * joint.limit
         self._under_way: deque[float] = deque(maxlen=1 + round(delay_s / cycle_s))
         self.tripped = False
         """Whether the joint ran away: then it is braked until `reset`."""
@@ -76,7 +84,8 @@ class VelocityLoop:
             self._rest()
             return nan
         error = self._under_way[0] - velocity
-        follows = min(max(self._decay * (command_rad_s - self._reference), -self._most), self._most)
+        follows = self._share * (command_rad_s - self._reference) / self._cycle_s
+        follows = min(max(follows, -self._most), self._most)
         self._reference += follows * self._cycle_s
         self._under_way.append(self._reference)
         wanted = self._torque(follows) + self._gain * error + self._integral

@@ -3,7 +3,7 @@
 import pytest
 
 from stillarm.common.files.driven_joint import commanded_joint, driven_joint
-from stillarm.common.files.model import Arm, Drive, Mode, Model
+from stillarm.common.files.model import Arm, Drive, Model
 from stillarm.common.user_error import UserError
 from tests.fixtures.torque_model import FIRST, torque_model
 
@@ -16,7 +16,7 @@ def test_the_hub_is_what_the_modes_do_not_carry() -> None:
     assert joint.hub_inertia_kg_m2 == pytest.approx(12.0 - 1.5 * (1.14 * 2.0) ** 2)
     assert joint.torque_per_input == 0.5
     assert joint.damping_n_m_s == pytest.approx(0.3)
-    assert joint.limit is None
+    assert joint.limit == 1e4
 
 
 def test_a_joint_that_follows_velocities_is_no_driven_one() -> None:
@@ -24,9 +24,10 @@ def test_a_joint_that_follows_velocities_is_no_driven_one() -> None:
 
 
 def test_a_mode_without_a_mass_carries_nothing() -> None:
-    joint = driven_joint(torque_model(Mode()), "m")
+    joint = driven_joint(Model(drive=Drive(kind="torque", inertia_kg_m2=12.0)), "m")
     assert joint is not None and joint.carried_kg_m2 == (0.0,)
     assert joint.hub_inertia_kg_m2 == 12.0
+    assert joint.limit is None
 
 
 @pytest.mark.parametrize(

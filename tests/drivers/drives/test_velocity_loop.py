@@ -2,12 +2,14 @@
 
 from math import inf, isnan, nan, pi
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stillarm.common.files.model import Mode, Model
+from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.drive import JointState
 from stillarm.drivers.drives.velocity_loop import OLDEST_STATE_S, VelocityLoop
 from tests.fixtures.torque_model import FIRST, SECOND, torque_model
@@ -139,6 +141,18 @@ def test_the_input_is_in_the_drive_s_unit_and_within_its_limit() -> None:
     model = torque_model(FIRST, kind="current", torque_per_input=-0.5, input_limit=3.0, **PLAIN)
     value = VelocityLoop(model).input_for(0.6, JointState(0.0, 0.0, 0.0))
     assert value == -3.0
+
+
+def test_an_input_without_a_limit_is_refused() -> None:
+    drive = msgspec.structs.replace(torque_model(FIRST).drive, input_limit=msgspec.UNSET)
+    with pytest.raises(UserError, match=r"m\.toml: drive\.input_limit: needed"):
+        VelocityLoop(msgspec.structs.replace(torque_model(FIRST), drive=drive), "m.toml")
+
+
+def test_a_bandwidth_beyond_the_cycle_s_own_is_followed_within_a_cycle() -> None:
+    model = torque_model(Mode(modal_mass_kg=0.01), **{**PLAIN, "bandwidth_hz": 900.0})
+    rates = looped(model, model, np.full(300, 0.1))
+    assert rates[-1] == pytest.approx(0.1, rel=0.01) and rates.max() < 0.13
 
 
 def test_a_joint_that_follows_velocities_has_no_loop() -> None:
