@@ -1,6 +1,7 @@
 """The velocity loop around an arm from its mass matrix (tests/reference/torque_arm.py, by scipy)."""
 
 from math import inf, isnan, nan, pi
+from pathlib import Path
 
 import msgspec
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stillarm.common.files.model import Mode, Model
+from stillarm.common.files.model import Mode, Model, load_model
 from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.drive import JointState
 from stillarm.drivers.drives.velocity_loop import OLDEST_STATE_S, VelocityLoop
@@ -158,3 +159,8 @@ def test_a_bandwidth_beyond_the_cycle_s_own_is_followed_within_a_cycle() -> None
 def test_a_joint_that_follows_velocities_has_no_loop() -> None:
     with pytest.raises(ValueError, match="needs no loop"):
         VelocityLoop(Model())
+
+
+def test_the_program_s_example_has_a_loop() -> None:
+    model = load_model(Path(__file__).parents[3] / "configs" / "torque_model.toml")
+    assert VelocityLoop(model).input_for(0.1, JointState(0.0, 0.0, 0.0)) > 0.0
