@@ -1,4 +1,4 @@
-"""The arm under a drive's input, against its mass matrix and scipy's integrator, and against plain statements."""
+"""The arm under a drive's input, against its mass matrix and a matrix exponential, and against plain statements."""
 
 from collections.abc import Callable
 from math import cos, nan, sin
