@@ -163,5 +163,5 @@ def test_a_joint_that_follows_velocities_has_no_loop() -> None:
 
 
 def test_the_program_s_example_has_a_loop() -> None:
-    model = load_model(Path(__file__).parents[3] / "configs" / "torque_model.toml")
+    model = load_model(Path(__file__).parents[3] / "configs" / "model_torque.toml")
     assert VelocityLoop(model).input_for(0.1, JointState(0.0, 0.0, 0.0)) > 0.0
