@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import msgspec
 
-from stillarm.common.files.model import Mode, Model
+from stillarm.common.files.model import Mode, Model, refuse_driven_effects
 from stillarm.common.user_error import UserError
 
 
@@ -60,9 +60,12 @@ def driven_joint(model: Model, name: str) -> DrivenJoint | None:
 def commanded_joint(model: Model, name: str) -> DrivenJoint | None:
     """The joint that the velocity loop commands and the simulated plant is; None for one that follows a velocity.
 
-    Raises UserError for a joint that neither knows: one behind a position loop, or with a command that gives no torque.
+    Raises UserError for a joint that neither knows: one behind a position loop, with a command that gives no torque, or
+    one that follows a velocity under an effect that only the others have.
     """
     drive = model.drive
+    if drive.kind == "velocity":
+        refuse_driven_effects(model, name)
     if drive.kind == "position":
         raise UserError(
             f'{name}: drive.kind = "position": only `stillarm diagnose` knows such a joint; the controller and the '

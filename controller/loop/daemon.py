@@ -57,7 +57,7 @@ def run(
     )
     hold_instance("controller", configuration.link.controller_port)
     remove_left_blocks()
-    devices = LiveDevices(configuration, model, SignalFlag(signal.SIGUSR1))
+    devices = LiveDevices(configuration, model, SignalFlag(signal.SIGUSR1), model_name)
     stop = StopSignal()
     recorder = statistics = None
     block = LoopBlock(f"loop-{os.getpid()}-{secrets.token_hex(4)}", create=True)

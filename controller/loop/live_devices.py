@@ -28,9 +28,15 @@ class LiveDevices:
     """Accelerometer, drive, link to the supervisor and reference, as one thing to read from and write to."""
 
     def __init__(
-        self, configuration: Configuration, model: Model, emergency_signal: SignalFlag | None = None
+        self,
+        configuration: Configuration,
+        model: Model,
+        emergency_signal: SignalFlag | None = None,
+        model_name: str = "model",
     ) -> None:
-        """Opens nothing; start() does. emergency_signal: stops the arm when it comes."""
+        """Opens nothing; start() does. emergency_signal: stops the arm when it comes. model_name: stands for the
+        model's file in messages.
+        """
         self._configuration = configuration
         self._cycle_s = cycle_s = model.timing.cycle_s
         link = configuration.link
@@ -40,7 +46,7 @@ class LiveDevices:
         self._exchange = ControllerExchange(key, self.session, round(oldest_s / cycle_s))
         self._reference = ReferenceExchange(key, self.session)
         self._accelerometer = open_accelerometer(configuration.accelerometer)
-        self._drive = open_drive(configuration.drive, key, model)
+        self._drive = open_drive(configuration.drive, key, model, model_name)
         self._operator = OperatorInput(configuration.controller.safety, emergency_signal)
         schedule = configuration.controller.schedule
         self._schedule: Scenario | None = load_scenario(schedule) if schedule else None

@@ -13,7 +13,7 @@ from stillarm.common.datagrams.messages import Adjustment
 from stillarm.common.files.configuration import Controller as ControllerSettings
 from stillarm.common.files.driven_joint import commanded_joint
 from stillarm.common.files.effects import declared
-from stillarm.common.files.model import Model, length_of, refuse_driven_effects
+from stillarm.common.files.model import Model, length_of
 from stillarm.common.user_error import UserError
 from stillarm.controller.command.damping import DampingStatus, JointDamping
 from stillarm.controller.command.dither import STILL, check_dither, dither_on
@@ -73,8 +73,7 @@ class Controller:
         model = declared(model)
         self._model, self._model_name = model, model_name
         self._cycle_s = model.timing.cycle_s
-        if commanded_joint(model, model_name) is None:
-            refuse_driven_effects(model, model_name)
+        commanded_joint(model, model_name)
         self._length = length = length_of(model, model_name)
         self._input = PlausibleInput(model, length)
         self._supervision = Supervision(model, settings, length, identified_only=identified_only)

@@ -79,12 +79,10 @@ def commission(
     tell(f"first mode near {mode.frequency_hz:.2f} Hz, damping near {100.0 * mode.damping_ratio:.1f} %")
     plan = fitted_to(moves(limits, grown.velocity_rad_s, mode, strike_s), rough.model, bounds)
     tell(f"moves: {plan.duration_s:.0f} s, in the second part of which the arm is left to ring")
-    ring_down_s = _TIME_CONSTANTS / (mode.damping_ratio * mode.angular_frequency)
+    ring_down_s = min(_TIME_CONSTANTS / (mode.damping_ratio * mode.angular_frequency), _MOST_REST_S)
     for repeat in range(_MOST_REPEATS + 1):
         name = "moves" if repeat == 0 else f"moves_again_{repeat}"
-        measured, plan = _moved(
-            record, name, plan, bounds, lambda: rest(min(ring_down_s, _MOST_REST_S)), tell
-        )
+        measured, plan = _moved(record, name, plan, bounds, lambda: rest(ring_down_s), tell)
         tell("fit: all parameters, by the simulation in free run")
         found = calibrate(measured, model, tick)
         verdict = judge(found, measured)
@@ -94,7 +92,7 @@ def commission(
             f"{verdict.text.partition(';')[0]}; the controller missed its cycles for {verdict.missed_s:.2g} s while "
             "the joint moved: the moves once more"
         )
-        rest(min(ring_down_s, _MOST_REST_S))
+        rest(ring_down_s)
     return Commissioning(grown, rough, plan, measured, found, verdict)
 
 

@@ -10,8 +10,11 @@ from stillarm.drivers.drives.udp_gateway_drive import UdpGatewayDrive, greet_gat
 from stillarm.drivers.drives.velocity_loop import VelocityLoop
 
 
-def open_drive(config: DriveDevice, key: bytes, model: Model | None = None) -> Drive | None:
+def open_drive(
+    config: DriveDevice, key: bytes, model: Model | None = None, name: str = "model"
+) -> Drive | None:
     """The configured drive, not yet started; None for "none". model: says what the drive obeys; None: velocities.
+    `name` stands for its file in messages.
 
     Raises UserError for a gateway on another computer with the demo key, which is public, and for a joint that obeys a
     torque, a current or a voltage behind a driver of velocities.
@@ -19,9 +22,8 @@ def open_drive(config: DriveDevice, key: bytes, model: Model | None = None) -> D
     if config.driver == "none":
         return None
     loop = None
-    if model is not None and model.drive.kind != "velocity":
-        check_driver_of_inputs(config, model.drive.kind)
-        loop = VelocityLoop(model)
+    if model is not None and takes_inputs(config, model.drive.kind):
+        loop = VelocityLoop(model, name)
     if config.driver == "odrive":
         from stillarm.drivers.drives.odrive_drive import OdriveDrive
 
@@ -42,22 +44,24 @@ def open_drive(config: DriveDevice, key: bytes, model: Model | None = None) -> D
     return UdpGatewayDrive(config, key, loop=loop)
 
 
-def check_driver_of_inputs(config: DriveDevice, kind: str) -> None:
-    """Raise UserError for a driver that commands velocities where the joint obeys a torque, a current or a voltage."""
-    if config.driver != "udp_gateway":
+def takes_inputs(config: DriveDevice, kind: str) -> bool:
+    """Whether the drive obeys inputs and no velocities. kind: the model's drive.kind.
+
+    Raises UserError for a driver that commands velocities where the joint obeys a torque, a current or a voltage.
+    """
+    if kind != "velocity" and config.driver != "udp_gateway":
         raise UserError(
             f'drive.driver = "{config.driver}": commands velocities, but drive.kind = "{kind}" in the model; use '
             '"udp_gateway" (docs/gateway.md), or let the drive close its own velocity loop and set drive.kind = '
             '"velocity"'
         )
+    return kind != "velocity"
 
 
-def probe_drive(config: DriveDevice, key: bytes, span_s: float, model: Model | None = None) -> DriveProbe:
-    """Ask the configured drive without arming it. model: as of `open_drive`. Raises UserError if it does not answer, or
-    does not take what the model says that it obeys."""
-    takes_inputs = model is not None and model.drive.kind != "velocity"
-    if model is not None and takes_inputs:
-        check_driver_of_inputs(config, model.drive.kind)
+def probe_drive(config: DriveDevice, key: bytes, span_s: float, kind: str = "velocity") -> DriveProbe:
+    """Ask the configured drive without arming it. kind: the model's drive.kind. Raises UserError if it does not answer,
+    or does not take what the model says that it obeys."""
+    inputs = takes_inputs(config, kind)
     if config.driver == "odrive":
         from stillarm.drivers.drives.odrive_drive import OdriveDrive
 
@@ -70,4 +74,4 @@ def probe_drive(config: DriveDevice, key: bytes, span_s: float, model: Model | N
         from stillarm.drivers.drives.mcp4725_drive import Mcp4725Drive
 
         return Mcp4725Drive(config, wait_s=0.0).probe(span_s)
-    return greet_gateway(config, key, span_s, takes_inputs=takes_inputs)
+    return greet_gateway(config, key, span_s, takes_inputs=inputs)

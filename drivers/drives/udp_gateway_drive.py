@@ -147,12 +147,23 @@ def greet_gateway(
     if it takes the other kind of command, or if the port is in use (a controller runs).
     """
     socket = UdpSocket((config.local_host, config.local_port), "drive.local_port")
+    gateway = (config.gateway_host, config.gateway_port)
     place = f"{config.gateway_host}:{config.gateway_port}"
-    bodies: tuple[Message, Message] = (DriveInput(0.0), DriveCommand(0.0))
-    meant, other = bodies if takes_inputs else bodies[::-1]
+
+    def answers_to(body: Message) -> tuple[int, int]:
+        """How many answers within the span, and how many of another signature."""
+        peer = Peer(key, _TAKES, new_session())
+        answers, until = 0, clock() + span_s
+        while clock() < until:
+            socket.send(peer.encode(body, echo=0), gateway)
+            sleep(_ASK_EVERY_S)
+            answers += sum(peer.receive(data) is not None for data in socket.drain(_MAX_DATAGRAMS))
+        return answers, peer.counts.forged
+
+    velocity, drive_input = DriveCommand(0.0), DriveInput(0.0)
     try:
-        heard, forged = _greetings(socket, config, key, span_s, meant, clock, sleep)
-        others = 0 if heard else _greetings(socket, config, key, span_s, other, clock, sleep)[0]
+        heard, forged = answers_to(drive_input if takes_inputs else velocity)
+        others = 0 if heard else answers_to(velocity if takes_inputs else drive_input)[0]
     finally:
         socket.close()
     if others:
@@ -175,24 +186,3 @@ def greet_gateway(
             "gateway_port"
         )
     return DriveProbe(f"gateway at {place}", heard, span_s, nan)
-
-
-def _greetings(
-    socket: UdpSocket,
-    config: DriveDevice,
-    key: bytes,
-    span_s: float,
-    body: Message,
-    clock: Callable[[], float],
-    sleep: Callable[[float], None],
-) -> tuple[int, int]:
-    """How many answers a command that does not echo the gateway's session has within a span, and how many of another
-    signature."""
-    peer = Peer(key, _TAKES, new_session())
-    answers = 0
-    until = clock() + span_s
-    while clock() < until:
-        socket.send(peer.encode(body, echo=0), (config.gateway_host, config.gateway_port))
-        sleep(_ASK_EVERY_S)
-        answers += sum(peer.receive(data) is not None for data in socket.drain(_MAX_DATAGRAMS))
-    return answers, peer.counts.forged

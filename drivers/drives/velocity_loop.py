@@ -61,10 +61,11 @@ class VelocityLoop:
         self._gain = joint.hub_inertia_kg_m2 * crossover
         self._integral_gain = self._gain * _INTEGRAL_SHARE * crossover
         self._limit_n_m = abs(joint.torque_per_input) * joint.limit
-        self._under_way: deque[float] = deque(maxlen=1 + round(delay_s / cycle_s))
+        self._late_cycles = 1 + round(delay_s / cycle_s)
+        self._under_way: deque[float] = deque(maxlen=self._late_cycles)
         self.tripped = False
         """Whether the joint ran away: then it is braked until `reset`."""
-        self._reference = self._integral = self._against_s = 0.0
+        self._against_s = 0.0
         self._rest()
 
     def reset(self) -> None:
@@ -109,5 +110,6 @@ class VelocityLoop:
             self.tripped = True
 
     def _rest(self) -> None:
-        self._reference = self._integral = self._against_s = 0.0
-        self._under_way.extend([0.0] * (self._under_way.maxlen or 1))
+        self._reference = self._integral = 0.0
+        self._against_s = 0.0
+        self._under_way.extend([0.0] * self._late_cycles)

@@ -192,14 +192,21 @@ def move(arm: Record, duration: float, decay: float, start: float, count: int) -
 
 
 @inlined
+def pressed_on(arm: Record, push: float) -> bool:
+    """Whether the motor stands at an end stop and a push, of which the sign counts, holds it there."""
+    return bool(
+        arm.rate == 0.0
+        and ((arm.motor >= arm.highest and push >= 0.0) or (arm.motor <= arm.lowest and push <= 0.0))
+    )
+
+
+@inlined
 def hold(arm: Record, span: float, target: float, count: int) -> int:
     """Move for `span` s towards the constant velocity `target`, rad/s; returns how many stretches there are now."""
     linear = arm.most / arm.decay
     while span > 0.0 and count < _MOST_STRETCHES:
         omega = arm.rate
-        if omega == 0.0 and (
-            (arm.motor >= arm.highest and target >= 0.0) or (arm.motor <= arm.lowest and target <= 0.0)
-        ):
+        if pressed_on(arm, target):
             arm.acceleration = 0.0
             return _link(arm, span, 0.0, 0.0, 0.0, 0.0, count)
         error = target - omega

@@ -7,17 +7,20 @@ the arm or its drive.
 """
 
 from collections import deque
+from collections.abc import Callable
+from functools import partial
 from math import copysign, isnan
 from operator import mul
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stillarm.common.causes import CAUSES
 from stillarm.common.files.beam import tip_slopes_per_m
 from stillarm.common.files.driven_joint import commanded_joint, stated_or
 from stillarm.common.files.effects import acting, declared, effect_of, laws_at
 from stillarm.common.files.effects_check import check_effects
-from stillarm.common.files.model import Model, length_of, refuse_driven_effects
+from stillarm.common.files.model import Model, length_of
 from stillarm.common.user_error import UserError
 from stillarm.simulation.arm.compiled_laws import laws_of
 from stillarm.simulation.arm.effect_clock import EffectClock
@@ -26,6 +29,7 @@ from stillarm.simulation.arm.stepper import advance, look, strike
 from stillarm.simulation.arm.torque_drive import advance_by_input, joint_numbers, obeyed_numbers
 from stillarm.simulation.arm.torque_joint import laws_of as laws_of_joint
 
+Array = NDArray[np.float64]
 _MODES = 5  # place of the first deflection in what `observe` fills
 
 
@@ -76,17 +80,16 @@ class Plant:
             if (cause := CAUSES[identifier]).limit is not None
         ]
         self._seen_array = np.zeros(5 + 3 * len(rows))
-        self._joint = None
+        move_on: Callable[..., None] = advance
+        driven: tuple[Array, ...] = ()
         if joint is not None:
             obeyed = obeyed_numbers(model, joint, name)
-            self._joint = joint_numbers(joint, obeyed, np.array(rows)[:, 2]), laws_of_joint(obeyed)
-        else:
-            refuse_driven_effects(model, name)
+            move_on = advance_by_input
+            driven = joint_numbers(joint, obeyed, np.array(rows)[:, 2]), laws_of_joint(obeyed)
+        self._move_on = partial(move_on, self._arm, *driven)
+        self._in_drive = self._obeyed if joint is None else float
         # All that is ever called is compiled before any clock runs: an impact's first call stood it still for 50 ms.
-        if self._joint is None:
-            advance(self._arm.copy(), 0.0, 0.0, 0.0, self._seen_array)
-        else:
-            advance_by_input(self._arm.copy(), *self._joint, 0.0, 0.0, 0.0, self._seen_array)
+        move_on(self._arm.copy(), *driven, 0.0, 0.0, 0.0, self._seen_array)
         strike(self._arm.copy(), 0, 0.0, 0.0)
         self._shaken_m_s2 = self.modal_forces_m_s2
         self._see()
@@ -96,15 +99,10 @@ class Plant:
         unit, as the model's drive.kind says; an input that is NaN brakes. Raises ValueError if a velocity is no number;
         UserError if an effect has taken the arm beyond the range of its equation.
         """
-        self._under_way.append(command if self._joint is not None else self._obeyed(command))
+        self._under_way.append(self._in_drive(command))
         before, self._acting = self._acting, self._under_way.popleft()
         self._shake()
-        if self._joint is None:
-            advance(self._arm, self._since_start_s, before, self._acting, self._seen_array)
-        else:
-            joint, laws = self._joint
-            since_s = self._since_start_s
-            advance_by_input(self._arm, joint, laws, since_s, before, self._acting, self._seen_array)
+        self._move_on(self._since_start_s, before, self._acting, self._seen_array)
         self.cycle += 1
         self._seen = self._seen_array.tolist()
         for identifier, broken, first_hz, own in self._limits:

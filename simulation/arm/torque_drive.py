@@ -20,7 +20,7 @@ from stillarm.common.files.driven_joint import DrivenJoint
 from stillarm.common.files.model import Model
 from stillarm.common.user_error import UserError
 from stillarm.simulation.arm.compiler import compiled, inlined, nth
-from stillarm.simulation.arm.joint import move, risen
+from stillarm.simulation.arm.joint import move, pressed_on, risen
 from stillarm.simulation.arm.state import Record, Records
 from stillarm.simulation.arm.stepper import free_acceleration, look, modes_through
 from stillarm.simulation.arm.torque_joint import friction_limits, smooth_torque
@@ -107,10 +107,7 @@ def _accelerated(
     forward, backward = friction_limits(laws, omega)
     if forward > 0.0 or backward > 0.0:
         alpha += min(max(-(omega / h + alpha), -forward), backward)
-    at_stop = omega == 0.0 and (
-        (arm.motor >= arm.highest and alpha >= 0.0) or (arm.motor <= arm.lowest and alpha <= 0.0)
-    )
-    return 0.0 if at_stop else alpha
+    return 0.0 if pressed_on(arm, alpha) else alpha
 
 
 @inlined

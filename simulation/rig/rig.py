@@ -28,6 +28,7 @@ from stillarm.common.files.configuration import (
     load_true_model,
     true_model_path,
 )
+from stillarm.common.files.driven_joint import commanded_joint
 from stillarm.common.files.effects import declared
 from stillarm.common.files.model import Model, length_of
 from stillarm.common.files.scenario import Scenario, load_scenario
@@ -98,6 +99,7 @@ def run(
         configuration = msgspec.structs.replace(configuration, rig=rig)
     name = str(true_model_path(configuration, configuration_path))
     model = declared(load_true_model(configuration, configuration_path))
+    commanded_joint(model, name)
     length_of(model, name)
     refuse_step_of_absent_stamps(model, rig, name)
     refuse_step_of_controller_clock(model, name)
@@ -117,7 +119,7 @@ def run(
         header = msgspec.structs.replace(header, model=Path(name).read_text(encoding="utf-8"))  # the true one
         recorder = RecorderClient.start(truth_path, header)
     try:
-        plant = _PlantProcess(configuration, model, load_scenario(rig.scenario), rig)
+        plant = _PlantProcess(configuration, model, load_scenario(rig.scenario), rig, name)
         camera, frames = _start_camera(configuration, model, rig.seed, plant.started_s)
         settle_memory()
         run_fifo(_PRIORITY)
@@ -151,13 +153,16 @@ def fall_into_step(clock: CycleClock, following: int, cycle_s: float, drive: Rig
 class _PlantProcess:
     """The plant with its sensors and its drive, step by step in real time."""
 
-    def __init__(self, configuration: Configuration, model: Model, scenario: Scenario, rig: Rig) -> None:
+    def __init__(
+        self, configuration: Configuration, model: Model, scenario: Scenario, rig: Rig, name: str = "model"
+    ) -> None:
+        """`name` stands for the model's file in messages."""
         if configuration.camera.driver != "shared_memory":
             raise UserError(
                 f"camera.driver = {configuration.camera.driver!r}: the simulated rig needs 'shared_memory'"
             )
         self._cycle_s = model.timing.cycle_s
-        self._plant = ready_plant(model)
+        self._plant = ready_plant(model, name)
         self._plant.effect_clock = EffectClock.waiting()
         self.started_s = RawValue(c_double, inf)
         """When the first command came, on the monotonic clock: the recording's start, for the camera's process."""

@@ -12,7 +12,7 @@ from stillarm.common.datagrams.messages import DriveCommand, DriveInput
 from stillarm.common.files.configuration import DriveDevice
 from stillarm.common.user_error import UserError
 from stillarm.drivers.buses.i2c import MEMORY_PREFIX
-from stillarm.drivers.drives.drive_factory import check_driver_of_inputs
+from stillarm.drivers.drives.drive_factory import takes_inputs
 from stillarm.drivers.drives.drive_gateway import DEAD_MAN_S, DriveGateway
 from stillarm.drivers.drives.drive_gateway_socket import DriveGatewaySocket
 from stillarm.drivers.emulated_chips.mcp4725_chip import Mcp4725Output
@@ -48,8 +48,7 @@ def rig_drive(config: DriveDevice, key: bytes, kind: str = "velocity") -> RigDri
 
     Raises UserError where it cannot be.
     """
-    if kind != "velocity":
-        check_driver_of_inputs(config, kind)
+    if takes_inputs(config, kind):
         return RigGateway(config, key, DriveInput)
     if config.driver == "odrive":
         return RigOdrive(config)

@@ -162,7 +162,7 @@ def look_at_camera(configuration: Configuration, model: Model) -> Iterator[Verdi
 def look_at_drive(configuration: Configuration, model: Model, key: bytes) -> Iterator[Verdict]:
     """Ask the drive for its identity and position."""
     try:
-        probe = probe_drive(configuration.drive, key, DRIVE_S, model)
+        probe = probe_drive(configuration.drive, key, DRIVE_S, model.drive.kind)
     except UserError as error:
         yield fail("drive", str(error))
         return
