@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import takewhile
-from math import exp, inf
+from math import inf, tanh
 
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
@@ -174,7 +174,7 @@ def _odds_beside(found: Found, one: Candidate, split: Split) -> float:
 
 
 def _logistic(log_odds: float) -> float:
-    return 1.0 / (1.0 + exp(-log_odds))
+    return 0.5 * (1.0 + tanh(0.5 * log_odds))  # 1 / (1 + exp(-x)), which overflows below -709
 
 
 def share_explained(

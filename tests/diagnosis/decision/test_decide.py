@@ -110,6 +110,15 @@ def test_a_course_that_leaves_much_of_what_it_follows_is_no_name(arm: Fit, left:
     assert (_odds_of_name(found, first, SPLIT, None, None) > 0.5) is named
 
 
+def test_a_hopeless_name_has_no_odds(arm: Fit) -> None:
+    """Free terms that gain a hundred times as much: the log odds go below what the exponential function can take."""
+    first = replace(_candidate("rotor_imbalance", 20.0), fit=replace(arm), nats=np.full(30, 20.0 / 30.0))
+    alone = cast(Free, SimpleNamespace(merit=2000.0 * first.merit))
+    found = Found(arm, first.fit, [first])
+    found.stages.append(Stage([], [first], first))
+    assert _odds_of_name(found, first, SPLIT, None, alone) == 0.0
+
+
 @pytest.mark.parametrize(("free_terms", "named"), [(0.0, True), (400.0, False)])
 def test_free_terms_are_asked_where_nothing_matters(
     arm: Fit, free_terms: float, named: bool, monkeypatch: pytest.MonkeyPatch
