@@ -307,8 +307,10 @@ def fit(
 
 def _not_zero(slope: Array) -> NDArray[np.int64]:
     """Places of the quantities that a channel shows at all: an impact on the arm is none of the joint's."""
-    columns = range(slope.shape[1])
-    return np.array([i for i in columns if slope[::_FEW, i].any() or slope[:, i].any()], dtype=np.int64)
+    seen = slope[::_FEW].any(axis=0)
+    for i in np.flatnonzero(~seen):
+        seen[i] = slope[:, i].any()
+    return np.flatnonzero(seen)
 
 
 def slopes_of(last: Fit) -> dict[str, dict[str, Array]]:

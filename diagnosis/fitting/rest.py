@@ -16,6 +16,7 @@ from stillarm.diagnosis.fitting.fitted import THIN, Fit
 Array = NDArray[np.float64]
 
 _SPIKED = "acceleration"  # the channel in which impulse noise is looked for
+_NEAR_THE_LIMIT = 0.5  # of it: what reads its limit though less is foretold is no matter of the limit
 
 
 @dataclass(frozen=True)
@@ -49,8 +50,10 @@ def _without_spikes(last: Fit) -> Fit:
     residual = last.residuals.get(_SPIKED)
     if residual is None:
         return last
-    # at a limit hardly any noise is left, beside which that of the other samples were all spikes
-    limited = at_a_limit(last)
+    # at a limit hardly any noise is left, beside which that of the other samples were all spikes; but a spike may reach
+    # the limit as well, where the simulation does not
+    foretold, read = last.predicted.channels[_SPIKED], last.world.channels[_SPIKED]
+    limited = at_a_limit(last) & (np.abs(foretold) > _NEAR_THE_LIMIT * np.abs(read))
     clean = np.where(limited, residual, without_spikes(np.where(limited, np.nan, residual)))
     return replace(last, residuals={**last.residuals, _SPIKED: clean})
 

@@ -37,6 +37,8 @@ from stillarm.diagnosis.forms.courses import (
     lens_values,
     of_course,
     of_terms,
+    path_terms,
+    path_values,
     shown,
     swing,
     tilt_terms,
@@ -266,6 +268,7 @@ _FURTHER: tuple[Form, ...] = (
         "tracking_drift", "that wanders", "rate_px_per_s", "displacement", "walk", image_std, 0.1, walk=True
     ),
     IMAGE_WALK,
+    of_terms("tracking_drift", "with the path travelled", has("displacement"), "path", path_values, path_terms),
     OVERTONES,
     WANDERING_FORCE,
     of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", delay_std, 3.0),

@@ -20,6 +20,7 @@ _COURSE_KNOTS = 16  # of a course over the whole recording: a knot every few sec
 WALK_S = 0.4
 """Between the knots of a course that wanders, s."""
 _TILT_PX_PER_RAD, _TILT_STD = 100.0, 10.0  # unit of a turn of the image; up to thousands of px a radian
+_STRAYED_STD = 10.0  # of what tracking has strayed by the end, in the image's own variation
 
 
 def _course(
@@ -216,6 +217,21 @@ def arc_terms(fit: Fit) -> tuple[Added, ...]:
 def arc_values(fit: Fit) -> Values:
     """The rotation while the angle is small."""
     return _turned(fit, "arc")
+
+
+def path_terms(fit: Fit) -> tuple[Added, ...]:
+    """Tracking that strays by a share of the path that the tip has travelled in the image."""
+    path = np.cumsum(np.abs(np.diff(fit.predicted.motion.tip, prepend=0.0)))
+    column = imaged(fit, path / (float(path[-1]) or 1.0))[:, None] * image_std(fit)
+    return (Added("path", {"displacement": column}, _STRAYED_STD),)
+
+
+def path_values(fit: Fit) -> Values:
+    """The mean rate over the recording."""
+    amount, std = plain(fit, x=group_of(fit, "path").amounts[0])["x"]
+    unit = image_std(fit) / fit.world.measured.duration_s
+    rate, _ = _on_top(fit, "tracking_drift", "rate_px_per_s", unit * amount)["rate_px_per_s"]
+    return {"rate_px_per_s": (rate, unit * std)}
 
 
 def imaged(fit: Fit, scene: Array) -> Array:

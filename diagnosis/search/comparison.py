@@ -24,8 +24,17 @@ from stillarm.diagnosis.physics.space import Added
 from stillarm.diagnosis.search.begun import Begun, Ground, Pair, ground_of
 from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, beside_another
 from stillarm.diagnosis.search.carried import hinted
+from stillarm.diagnosis.search.convincing import is_course
 from stillarm.diagnosis.search.onsets import sized, with_onset
-from stillarm.diagnosis.search.refits import candidate_of, polished, refitted, throughout, to_the_end
+from stillarm.diagnosis.search.refits import (
+    LOOK,
+    begins_afar,
+    candidate_of,
+    polished,
+    refitted,
+    throughout,
+    to_the_end,
+)
 from stillarm.diagnosis.search.screen import Scored, screen
 from stillarm.diagnosis.search.whitened import Whitened
 
@@ -41,6 +50,7 @@ SCREENED_NATS = 8.0
 """Below this promise of a score test no fit is begun."""
 
 _STARTS, _MOST_STARTS = 2, 8  # by their scores; with those that the data ask for
+_GO_ON = 2  # of a form's starts afar: one for each of two processors
 _PROMISING = 0.02  # of the best score: what promises less says more in a later round
 _LATER, _PROMISING_LATER = 5, 0.1  # causes begun from an onset at once, at most; as above, of those
 _SECOND = 0.5
@@ -91,7 +101,7 @@ def compared(
             return done
 
         with limited_to(_QUICK_SHARE):
-            quick = _each(partial(_quickly, ground), begun, found, known)
+            quick = _quick_fits(ground, begun, found, known)
         ended = judged(partial(to_the_end, ground), best_of_each(quick), _ENDED_SHARE)
         near = _in_reach(ended, candidates, split)
         later = judged(partial(with_onset, ground, white), _worth_an_onset(candidates, near), _ONSET_SHARE)
@@ -125,12 +135,12 @@ def _near_there(ground: Ground, hint: Hint, tried: Sequence[Form]) -> tuple[Sequ
 
 def _without_needless_walks(by_merit: Sequence[Candidate], last: Fit) -> list[Candidate]:
     """Candidates without a walk of the images, or of the delay, if one of the best of the others foretells these as
-    well."""
+    well; of the same cause one that takes no course of its own, such as a drift with the path travelled."""
     needless = set()
     for walk in _WALKS:
         form = walk.FORM
         others = [one for one in by_merit if one.form != form.name and one.merit > PRICE_NATS]
-        rivals = [one.fit for one in others[:_RIVALS] if one.cause != form.id]
+        rivals = [one.fit for one in others[:_RIVALS] if one.cause != form.id or not is_course(one, last)]
         walks = any(one.form == form.name and one.cause == form.id for one in by_merit)
         if walks and any(walk.is_foretold(last, rival) for rival in rivals):
             needless.add((form.id, form.name))
@@ -266,13 +276,38 @@ def _share_of(top: float, one: Scored) -> float:
     return one.nats / max(top, SCREENED_NATS)
 
 
-def _quickly(ground: Ground, one: Begun) -> tuple[_Promise, Fit | None]:
+def _quick_fits(
+    ground: Ground, begun: Sequence[Begun], found: Found, known: Sequence[object]
+) -> list[tuple[_Promise, Fit]]:
+    """A quick fit from each start. Of a form that begins afar in several places each of them gets a few steps, and the
+    best go on (successive halving: Karnin, Koren and Somekh, ICML 2013): the steps cost most there, and a few tell
+    which onset is nearest."""
+    afar: dict[int, list[int]] = defaultdict(list)
+    for one in begun:
+        if begins_afar(ground, one):
+            afar[id(one.form)].append(id(one))
+    several = {one for starts in afar.values() if len(starts) > _GO_ON for one in starts}
+
+    def first(one: Begun) -> tuple[_Promise, Fit | None]:
+        return _quickly(ground, one, LOOK) if id(one) in several else _quickly(ground, one)
+
+    quick = _each(first, begun, found, known)
+    looks: dict[int, list[tuple[_Promise, Fit]]] = defaultdict(list)
+    for each in sorted(quick, key=lambda each: -each[0].gain):
+        if id(each[0].begun) in several:
+            looks[id(each[0].begun.form)].append(each)
+    best = [each for of_form in looks.values() for each in of_form[:_GO_ON]]
+    further = [replace(promise.begun, start=fitted.vector) for promise, fitted in best]
+    return [*quick, *_each(partial(_quickly, ground), further, found, [*known, *further])]
+
+
+def _quickly(ground: Ground, one: Begun, *from_afar: int) -> tuple[_Promise, Fit | None]:
     """A quick fit without what it shows of the recording, of which a hundred would take a gigabyte.
 
     Noise that is coloured as what the last fit leaves foretells a large smooth rest so well that to be rid of it gains
     nothing: the log score by frequency, in which the level is learnt anew, has a say too.
     """
-    last, fitted = ground.last, refitted(ground, one)
+    last, fitted = ground.last, refitted(ground, one, *from_afar)
     if fitted is None:
         return _Promise(one, 0.0, 0.0), None
     nats = float(score(fitted, ground.split).gain(ground.score).sum())

@@ -23,28 +23,34 @@ TO_REST = 40
 them, so that such a fit goes along a valley for thirty steps."""
 _MOST_TRIALS = 40  # of a search along a quantity
 _AFAR = 0.003  # of the first mode's frequency: within 16 swings, which ring on at 1 % of damping, a third of a radian
-_FROM_AFAR = 8  # steps of a quick fit that begins there
+_FROM_AFAR, LOOK = 8, 2  # steps of a quick fit that begins there, and of a first look at several
 _MUCH = 0.5  # of what a score test promises of any form
 _QUICK_SETTLED = 1.0  # nats: of a quick fit, a third of what a number costs
 
 
-def refitted(ground: Ground, one: Begun) -> Fit | None:
+def refitted(ground: Ground, one: Begun, from_afar: int = _FROM_AFAR) -> Fit | None:
     """A form fitted quickly; None where what comes out is not possible. With derivatives of its own where those of the
-    ground lead astray: what is promised much is far from there, where the images' noise is little."""
+    ground lead astray: what is promised much is far from there, where the images' noise is little. from_afar: steps
+    with such derivatives, at most."""
     known = _slopes_at(ground, one.world, one.start)
-    fitted = _fitted_from(ground, one, known)
+    fitted = _fitted_from(ground, one, known, from_afar)
     if known is not None and one.promised > _MUCH and gain_of(fitted, ground.last) < 0.0:
-        fitted = _fitted_from(ground, one, None)
+        fitted = _fitted_from(ground, one, None, from_afar)
     return fitted if one.form.cause.possible(fitted) else None
 
 
-def _fitted_from(ground: Ground, one: Begun, known: Slopes | None) -> Fit:
+def begins_afar(ground: Ground, one: Begun) -> bool:
+    """Whether each step of a form's quick fit works out all derivatives anew, which costs ten times as much."""
+    return _slopes_at(ground, one.world, one.start) is None
+
+
+def _fitted_from(ground: Ground, one: Begun, known: Slopes | None, from_afar: int) -> Fit:
     """A quick fit from where a form begins, by known derivatives or by its own."""
     return fit(
         make_data(one.world, ground.split),
         one.start,
         free_names(ground.last, one.world, one.form.cause.free(one.world)),
-        iterations=_FROM_AFAR if known is None else QUICK,
+        iterations=from_afar if known is None else QUICK,
         colour=ground.last.colour,
         known=known,
         settled_nats=_QUICK_SETTLED,

@@ -69,6 +69,22 @@ def test_lone_spikes_are_nothing_that_a_model_could_explain(arm: Fit) -> None:
     assert explainable(lasts, SPLIT)[name] > 100.0
 
 
+def test_a_spike_that_reaches_the_sensors_limit_is_a_lone_one_too() -> None:
+    """Not what reads the limit where the simulation is there as well."""
+    name, data = "acceleration", measured(20.0, 3)
+    limit = 0.7 * float(np.max(np.abs(data.acceleration)))
+    read = np.clip(data.acceleration, -limit, limit)
+    fit = fitted(replace(data, acceleration=read))
+    shown = np.clip(fit.predicted.channels[name], -limit, limit)
+    quiet = np.flatnonzero(np.abs(shown) < 0.2 * limit)[::200]
+    read[quiet] = limit
+    spiked = fitted(replace(data, acceleration=read))
+    predicted = replace(fit.predicted, channels={**fit.predicted.channels, name: shown})
+    left = replace(spiked, residuals={**fit.residuals, name: read - shown}, predicted=predicted)
+    assert (read >= limit).mean() > 0.01  # it reads its limit often
+    assert anything_matters(left, SPLIT) and not anything_but_spikes_matters(left, SPLIT)
+
+
 def test_spikes_matter_to_whom_no_law_has_told_them(arm: Fit) -> None:
     name = "acceleration"
     off = arm.residuals[name].copy()

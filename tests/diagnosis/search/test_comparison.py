@@ -1,16 +1,20 @@
 """Which forms a round goes on with. What a round takes in the end: tests/diagnosis/decision/test_explain.py."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.forms.catalogue import forms
 from stillarm.diagnosis.search import comparison
 from stillarm.diagnosis.search.begun import Begun, Pair
-from stillarm.diagnosis.search.candidates import Candidate, Hint, Stage
-from stillarm.diagnosis.search.comparison import best_of_each
+from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, Stage
+from stillarm.diagnosis.search.comparison import best_of_each, compared
+from tests.fixtures.synthetic import fitted, measured
 
 
 def begun(cause: str, name: str = "", added: bool = False) -> Begun:
@@ -92,3 +96,20 @@ def test_a_hint_says_which_forms_are_near(
     )
     hint = Hint(cast(Fit, None), Stage([], [there], there), struck)
     assert comparison._says_which_are_near(hint, here, interleaved(10.0)) is near
+
+
+@pytest.mark.slow
+def test_tracking_that_strays_with_the_path_is_no_random_walk() -> None:
+    """A walk goes anywhere; one number that foretells where it went is the better account, with its size."""
+    data, split = measured(20.0, 1), interleaved(20.0)
+    plain = fitted(data)
+    seen = plain.predicted.channels["displacement"]
+    strayed = 2e-4 * np.cumsum(np.abs(np.diff(seen, prepend=seen[0])))
+    frames = replace(data.frames, displacement_px=data.frames.displacement_px + strayed)
+    last = fitted(replace(data, frames=frames))
+    drift = [one for one in forms(last.world) if one.id == "tracking_drift"]
+    _, candidates = compared(last, drift, split, Found(last, last))
+    assert candidates[0].form == "with the path travelled"
+    assert "as a random walk" not in {one.form for one in candidates}
+    rate, _ = candidates[0].values["rate_px_per_s"]
+    assert rate == pytest.approx(strayed[-1] / 20.0, rel=0.1)
