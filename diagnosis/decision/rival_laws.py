@@ -15,7 +15,7 @@ from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fit import fit, slopes_of
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
-from stillarm.diagnosis.forms import image_walk
+from stillarm.diagnosis.forms import image_walk, sensor_walk
 from stillarm.diagnosis.forms.freeform import DRIVE, Free, Group
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.search.candidates import Candidate
@@ -51,7 +51,7 @@ def _driven(first: Candidate, before: Fit, split: Split) -> Free | None:
     names = free_names(before, world, amounts)
     start = carried_over(before, world)
     fitted = fit(make_data(world, split), start, names, iterations=QUICK, colour=before.colour)
-    ahead = image_walk.nats_ahead(before, fitted) - PRICE_NATS * len(amounts)
+    ahead = sensor_walk.nats_ahead(before, fitted, image_walk.CHANNEL) - PRICE_NATS * len(amounts)
     return Free(DRIVE, first.merit + ahead, "displacement", fitted) if ahead > 0.0 else None
 
 

@@ -307,7 +307,7 @@ def fit(
 
 def _not_zero(slope: Array) -> NDArray[np.int64]:
     """Places of the quantities that a channel shows at all: an impact on the arm is none of the joint's."""
-    seen = slope[::_FEW].any(axis=0)
+    seen = np.asarray(slope[::_FEW].any(axis=0))
     for i in np.flatnonzero(~seen):
         seen[i] = slope[:, i].any()
     return np.flatnonzero(seen)

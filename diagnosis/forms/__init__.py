@@ -4,4 +4,14 @@ causes/ holds how those causes are looked for that need more than their declarat
 where, and which is best (search). Begin with cause.py, then catalogue.py.
 """
 
-__all__ = ["catalogue", "cause", "causes", "delay_walk", "force_terms", "freeform", "image_walk"]
+__all__ = [
+    "bias_walk",
+    "catalogue",
+    "cause",
+    "causes",
+    "delay_walk",
+    "force_terms",
+    "freeform",
+    "image_walk",
+    "sensor_walk",
+]

@@ -14,6 +14,7 @@ import numpy as np
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.common.causes import Place
 from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.forms.bias_walk import FORM as BIAS_WALK
 from stillarm.diagnosis.forms.cause import (
     Cause,
     Context,
@@ -260,6 +261,7 @@ _FURTHER: tuple[Form, ...] = (
     of_course(
         "accelerometer_bias_drift", "along a course", "rate_m_s3", "acceleration", "bias", lambda fit: 1.0, 3.0
     ),
+    BIAS_WALK,
     of_course(
         "accelerometer_sensitivity_drift", "along a course", "rate_per_s", "acceleration", "gain", swing, 1.0
     ),

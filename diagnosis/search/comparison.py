@@ -15,7 +15,7 @@ from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import gain_of
 from stillarm.diagnosis.fitting.rest import anything_but_spikes_matters
-from stillarm.diagnosis.forms import delay_walk, image_walk
+from stillarm.diagnosis.forms import bias_walk, delay_walk, image_walk
 from stillarm.diagnosis.forms.catalogue import from_an_onset
 from stillarm.diagnosis.forms.cause import Form
 from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
@@ -41,7 +41,7 @@ from stillarm.diagnosis.search.whitened import Whitened
 _Item = TypeVar("_Item")
 _Key = TypeVar("_Key")
 _POLISHED = 3  # causes
-_WALKS = (image_walk, delay_walk)
+_WALKS = (image_walk, bias_walk, delay_walk)
 _RIVALS = 5  # candidates that a walk is held against
 _WITH_ONSET = 4  # causes that an onset is tried for
 LEFT_OUT = "some forms of causes"
@@ -134,8 +134,8 @@ def _near_there(ground: Ground, hint: Hint, tried: Sequence[Form]) -> tuple[Sequ
 
 
 def _without_needless_walks(by_merit: Sequence[Candidate], last: Fit) -> list[Candidate]:
-    """Candidates without a walk of the images, or of the delay, if one of the best of the others foretells these as
-    well; of the same cause one that takes no course of its own, such as a drift with the path travelled."""
+    """Candidates without a walk of the images, of a bias or of the delay, if one of the best of the others foretells
+    these as well; of the same cause one that takes no course of its own, such as a drift with the path travelled."""
     needless = set()
     for walk in _WALKS:
         form = walk.FORM
