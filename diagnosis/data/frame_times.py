@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from stillarm.diagnosis.data.measured import Frames, Measured
-from stillarm.diagnosis.data.noise import MIN_ARRIVALS, Colour, wander_colours
+from stillarm.diagnosis.data.noise import MIN_ARRIVALS, Colour, resolution, wander_colours
 from stillarm.diagnosis.data.robust import SIDE, WHOLE, std_about_median, std_about_zero, step_at
 
 Array = NDArray[np.float64]
@@ -201,7 +201,18 @@ def set_stamps(frames: Frames, longest_frames: float) -> SetStamps | None:
     step = None if apart is None else arrival_step(apart, longest_frames)
     if apart is None or step is None:
         return None
-    return SetStamps(step.index, step_at(apart, step.index, _BESIDE), step.std_s)
+    size_s = step_at(apart, step.index, _BESIDE)
+    return None if _is_of_rounding(apart, size_s) else SetStamps(step.index, size_s, step.std_s)
+
+
+def _is_of_rounding(apart: Array, step_s: float) -> bool:
+    """Whether the time between two stamps steps by what their rounding makes of a slow change: by one unit, as it does
+    elsewhere."""
+    known = apart[np.isfinite(apart)]
+    unit = resolution(known)
+    steps = np.abs(np.diff(known))
+    often = int(np.sum((steps > 0.5 * unit) & (steps < 1.5 * unit))) > 1
+    return often and abs(step_s) < 1.5 * unit
 
 
 def taken_back(measured: Measured, step: SetStamps) -> Measured:

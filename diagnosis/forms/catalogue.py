@@ -73,7 +73,8 @@ BEGINS: dict[Place, str] = {
 }
 """By place: the quantity that says from when on what departs from the model acts."""
 
-_NO_ONSET = ("gear_backlash", "payload_change", "second_bending_mode")
+# an imbalance, a play and a mode are of how the arm is built; a payload has an onset of its own
+_NO_ONSET = ("gear_backlash", "payload_change", "rotor_imbalance", "second_bending_mode")
 _WHOLLY = (("drive_lag", ""), ("drive_dead_time", ""))  # a key of the model, whose other form has an onset
 
 
@@ -103,8 +104,7 @@ def forms(world: World) -> list[Form]:
 def from_an_onset(form: Form) -> Form | None:
     """The same form, acting from an instant on; None for one that has an onset, or cannot have one."""
     declared = DECLARED[form.id]
-    # a rotor's imbalance is the drive's, and shakes the arm
-    begins = ARM_BEGIN if declared.acts == "force" else BEGINS.get(declared.place)
+    begins = BEGINS.get(declared.place)
     if begins is None or form.begins or form.added or form.id in _NO_ONSET or (form.id, form.name) in _WHOLLY:
         return None
     if any("onset" in name for name in form.cause.settle):

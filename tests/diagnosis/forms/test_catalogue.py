@@ -100,8 +100,7 @@ def test_from_an_onset_it_acts_as_before_and_begins_at_a_quantity_of_its_place(o
         assert later is None
     if later is None:
         return
-    shakes = one.id == "rotor_imbalance"  # the drive's, but a force on the arm
-    assert later.begins == BEGINS["arm" if shakes else CATALOGUE[one.id].place]
+    assert later.begins == BEGINS[CATALOGUE[one.id].place]
     assert later.begins in WORLD.space.place
     assert later.cause is one.cause and later.name.endswith("from an onset")
     assert from_an_onset(later) is None

@@ -55,3 +55,16 @@ def test_the_clock_of_the_computers_steps_against_the_stamps_just_so() -> None:
     step = set_stamps(stamped(0, 0.01).frames, 1000.0)
     assert step is not None
     assert step.step_s == pytest.approx(-0.01, abs=0.001)
+
+
+@pytest.mark.parametrize(("step_s", "found"), [(0.0, False), (0.004, True)])
+def test_stamps_that_are_rounded_otherwise_from_an_instant_on_are_of_no_clock_that_was_set(
+    step_s: float, found: bool
+) -> None:
+    """A little later than before, they come to half a unit, which noise rounds up or down."""
+    frames = set_by(step_s).frames
+    half = np.where(np.arange(len(frames.counter)) >= FIRST, 0.5e-4, 0.0)
+    noise = np.random.default_rng(2).normal(0.0, 1e-5, len(half))
+    stamps = np.round(frames.started_s, 4) + np.round(frames.captured_s - frames.started_s + half + noise, 4)
+    step = set_stamps(replace(frames, captured_s=stamps, started_s=np.round(frames.started_s, 4)), 1000.0)
+    assert (step is not None) is found
