@@ -15,8 +15,8 @@ from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fit import fit, slopes_of
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
-from stillarm.diagnosis.forms import image_walk, sensor_walk
 from stillarm.diagnosis.forms.freeform import DRIVE, Free, Group
+from stillarm.diagnosis.forms.sensor_walk import IMAGE_WALK, IMAGES, nats_ahead
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.search.candidates import Candidate
 from stillarm.diagnosis.search.refits import QUICK
@@ -36,7 +36,7 @@ def rival_law(first: Candidate, before: Fit, split: Split) -> Free | None:
     the finding's kind. before: the fit on which the finding was taken."""
     if first.cause == _CUBIC:
         return _one_sided(first, before, split)
-    if (first.cause, first.form) == (image_walk.FORM.id, image_walk.FORM.name):
+    if (first.cause, first.form) == (IMAGE_WALK.id, IMAGE_WALK.name):
         return _driven(first, before, split)
     return None
 
@@ -51,7 +51,7 @@ def _driven(first: Candidate, before: Fit, split: Split) -> Free | None:
     names = free_names(before, world, amounts)
     start = carried_over(before, world)
     fitted = fit(make_data(world, split), start, names, iterations=QUICK, colour=before.colour)
-    ahead = sensor_walk.nats_ahead(before, fitted, image_walk.CHANNEL) - PRICE_NATS * len(amounts)
+    ahead = nats_ahead(before, fitted, IMAGES) - PRICE_NATS * len(amounts)
     return Free(DRIVE, first.merit + ahead, "displacement", fitted) if ahead > 0.0 else None
 
 

@@ -5,13 +5,11 @@ where, and which is best (search). Begin with cause.py, then catalogue.py.
 """
 
 __all__ = [
-    "bias_walk",
     "catalogue",
     "cause",
     "causes",
     "delay_walk",
     "force_terms",
     "freeform",
-    "image_walk",
     "sensor_walk",
 ]

@@ -14,7 +14,6 @@ import numpy as np
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.common.causes import Place
 from stillarm.diagnosis.fitting.fitted import Fit
-from stillarm.diagnosis.forms.bias_walk import FORM as BIAS_WALK
 from stillarm.diagnosis.forms.cause import (
     Cause,
     Context,
@@ -46,9 +45,9 @@ from stillarm.diagnosis.forms.courses import (
     tilt_values,
 )
 from stillarm.diagnosis.forms.delay_walk import FORM as DELAY_WALK
-from stillarm.diagnosis.forms.image_walk import FORM as IMAGE_WALK
 from stillarm.diagnosis.forms.overtones import FORM as OVERTONES
 from stillarm.diagnosis.forms.queued_images import FORM as QUEUED_IMAGES
+from stillarm.diagnosis.forms.sensor_walk import BIAS_WALK, IMAGE_WALK
 from stillarm.diagnosis.forms.swelling_hum import FORM as SWELLING_HUM
 from stillarm.diagnosis.forms.tilted_sensor import FORM as TILTED_SENSOR
 from stillarm.diagnosis.forms.wandering_force import FORM as WANDERING_FORCE
@@ -103,8 +102,7 @@ def forms(world: World) -> list[Form]:
 
 def from_an_onset(form: Form) -> Form | None:
     """The same form, acting from an instant on; None for one that has an onset, or cannot have one."""
-    declared = DECLARED[form.id]
-    begins = BEGINS.get(declared.place)
+    begins = BEGINS.get(DECLARED[form.id].place)
     if begins is None or form.begins or form.added or form.id in _NO_ONSET or (form.id, form.name) in _WHOLLY:
         return None
     if any("onset" in name for name in form.cause.settle):

@@ -221,7 +221,8 @@ def arc_values(fit: Fit) -> Values:
 
 def path_terms(fit: Fit) -> tuple[Added, ...]:
     """Tracking that strays by a share of the path that the tip has travelled in the image."""
-    path = np.cumsum(np.abs(np.diff(fit.predicted.motion.tip, prepend=0.0)))
+    tip = fit.predicted.motion.tip
+    path = np.cumsum(np.abs(np.diff(tip, prepend=tip[:1])))
     column = imaged(fit, path / (float(path[-1]) or 1.0))[:, None] * image_std(fit)
     return (Added("path", {"displacement": column}, _STRAYED_STD),)
 

@@ -11,6 +11,7 @@ lasts for much longer than the arm swings. A course of knots then stands for the
 A channel that is much quicker than that is read now and then (`_reading`).
 """
 
+from functools import partial
 from math import inf, sqrt
 
 import numpy as np
@@ -20,12 +21,14 @@ from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.fitting.band_score import SHAPES, log_density, spectra
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, PRICE_NATS
 from stillarm.diagnosis.fitting.fitted import Fit
-from stillarm.diagnosis.forms.courses import Walk, walk_that_lasts
+from stillarm.diagnosis.forms.cause import Form
+from stillarm.diagnosis.forms.courses import Walk, of_walk, walk_that_lasts
 from stillarm.diagnosis.physics.computing import Lately
 from stillarm.diagnosis.sensors.late_bursts import Wander, wander_of
 
 Array = NDArray[np.float64]
 
+IMAGES, BIAS = "displacement", "acceleration"  # channels that are looked at
 _NUMBERS = 3  # of the law: how far, for how long, and the noise
 _LASTS_SWINGS = 4.0  # of the arm, that a walk is remembered at least: what is quicker may be the arm
 _RETURNS = 20.6
@@ -38,7 +41,7 @@ _MOST_FORETOLD = 0.5  # of a walk's deviation, left of it at most: a quarter of 
 _READ_S, _MEAN_S, _QUICK_S = 0.1, 0.02, 0.005
 """How often a channel that is quicker than the last is read, by its mean over how long. A quarter of what the course of
 knots follows: whether a sensor strays by itself from one millisecond to the next is no matter."""
-_WANDERS: Lately[bytes, Wander | None] = Lately(8)
+_WANDERS: Lately[bytes, Wander | None] = Lately(16)
 """By what a fit leaves in a channel: it is asked for as terms, as nats, and beside each of some rivals."""
 
 
@@ -72,6 +75,11 @@ def nats_ahead(last: Fit, other: Fit, channel: str) -> float:
         return -inf
     most = rest.std < _MOST_FORETOLD * walk.std and rest.nats > walk.nats + CONVINCING_NATS
     return max(rest.white_nats, rest.nats if most else -inf) - walk.nats
+
+
+def is_foretold(last: Fit, other: Fit, channel: str) -> bool:
+    """Whether another fit gives what strays a reason, such as a lens, the joint, or gravity along a sensor's axis."""
+    return nats_ahead(last, other, channel) >= 0.0
 
 
 def _wander_in(last: Fit, channel: str) -> Wander | None:
@@ -108,3 +116,11 @@ def _told_by_bands(wander: Wander, period_s: float) -> float:
     common = np.full_like(own, power[0].sum() / count[0].sum())
     told = [log_density(count[:, seen], power[:, seen], level, SHAPES[-1]).sum() for level in (own, common)]
     return float(told[0] - told[1])
+
+
+IMAGE_WALK: Form = of_walk(
+    "tracking_drift", "rate_px_per_s", IMAGES, "strayed image", partial(walk_in, channel=IMAGES)
+)
+BIAS_WALK: Form = of_walk(
+    "accelerometer_bias_drift", "rate_m_s3", BIAS, "strayed bias", partial(walk_in, channel=BIAS)
+)

@@ -4,7 +4,7 @@ The baseline's derivatives are those of the fit so far (the chord method): a fur
 alone, and costs a tenth. The best few are polished with all derivatives.
 """
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,7 +15,7 @@ from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import gain_of
 from stillarm.diagnosis.fitting.rest import anything_but_spikes_matters
-from stillarm.diagnosis.forms import bias_walk, delay_walk, image_walk
+from stillarm.diagnosis.forms import delay_walk, sensor_walk
 from stillarm.diagnosis.forms.catalogue import from_an_onset
 from stillarm.diagnosis.forms.cause import Form
 from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
@@ -27,6 +27,7 @@ from stillarm.diagnosis.search.carried import hinted
 from stillarm.diagnosis.search.convincing import is_course
 from stillarm.diagnosis.search.onsets import sized, with_onset
 from stillarm.diagnosis.search.refits import (
+    FROM_AFAR,
     LOOK,
     begins_afar,
     candidate_of,
@@ -41,7 +42,12 @@ from stillarm.diagnosis.search.whitened import Whitened
 _Item = TypeVar("_Item")
 _Key = TypeVar("_Key")
 _POLISHED = 3  # causes
-_WALKS = (image_walk, bias_walk, delay_walk)
+_WALKS: tuple[tuple[Form, Callable[[Fit, Fit], bool]], ...] = (
+    (sensor_walk.IMAGE_WALK, partial(sensor_walk.is_foretold, channel=sensor_walk.IMAGES)),
+    (sensor_walk.BIAS_WALK, partial(sensor_walk.is_foretold, channel=sensor_walk.BIAS)),
+    (delay_walk.FORM, delay_walk.is_foretold),
+)
+"""Each with whether another fit foretells what it follows."""
 _RIVALS = 5  # candidates that a walk is held against
 _WITH_ONSET = 4  # causes that an onset is tried for
 LEFT_OUT = "some forms of causes"
@@ -137,12 +143,11 @@ def _without_needless_walks(by_merit: Sequence[Candidate], last: Fit) -> list[Ca
     """Candidates without a walk of the images, of a bias or of the delay, if one of the best of the others foretells
     these as well; of the same cause one that takes no course of its own, such as a drift with the path travelled."""
     needless = set()
-    for walk in _WALKS:
-        form = walk.FORM
+    for form, is_foretold in _WALKS:
         others = [one for one in by_merit if one.form != form.name and one.merit > PRICE_NATS]
         rivals = [one.fit for one in others[:_RIVALS] if one.cause != form.id or not is_course(one, last)]
         walks = any(one.form == form.name and one.cause == form.id for one in by_merit)
-        if walks and any(walk.is_foretold(last, rival) for rival in rivals):
+        if walks and any(is_foretold(last, rival) for rival in rivals):
             needless.add((form.id, form.name))
     return [one for one in by_merit if (one.cause, one.form) not in needless]
 
@@ -282,32 +287,31 @@ def _quick_fits(
     """A quick fit from each start. Of a form that begins afar in several places each of them gets a few steps, and the
     best go on (successive halving: Karnin, Koren and Somekh, ICML 2013): the steps cost most there, and a few tell
     which onset is nearest."""
-    afar: dict[int, list[int]] = defaultdict(list)
-    for one in begun:
-        if begins_afar(ground, one):
-            afar[id(one.form)].append(id(one))
-    several = {one for starts in afar.values() if len(starts) > _GO_ON for one in starts}
+    afar = [one for one in begun if begins_afar(ground, one)]
+    starts = Counter(id(one.form) for one in afar)
+    looked_at = {id(one) for one in afar if starts[id(one.form)] > _GO_ON}
 
     def first(one: Begun) -> tuple[_Promise, Fit | None]:
-        return _quickly(ground, one, LOOK) if id(one) in several else _quickly(ground, one)
+        return _quickly(ground, one, LOOK if id(one) in looked_at else FROM_AFAR)
 
     quick = _each(first, begun, found, known)
-    looks: dict[int, list[tuple[_Promise, Fit]]] = defaultdict(list)
-    for each in sorted(quick, key=lambda each: -each[0].gain):
-        if id(each[0].begun) in several:
-            looks[id(each[0].begun.form)].append(each)
-    best = [each for of_form in looks.values() for each in of_form[:_GO_ON]]
-    further = [replace(promise.begun, start=fitted.vector) for promise, fitted in best]
-    return [*quick, *_each(partial(_quickly, ground), further, found, [*known, *further])]
+    further: list[Begun] = []
+    gone_on: Counter[int] = Counter()
+    for promise, fitted in sorted(quick, key=lambda each: -each[0].gain):
+        one = promise.begun
+        if id(one) in looked_at and gone_on[id(one.form)] < _GO_ON:
+            gone_on[id(one.form)] += 1
+            further.append(replace(one, start=fitted.vector))
+    return [*quick, *_each(partial(_quickly, ground), further, found, known)]
 
 
-def _quickly(ground: Ground, one: Begun, *from_afar: int) -> tuple[_Promise, Fit | None]:
+def _quickly(ground: Ground, one: Begun, from_afar: int = FROM_AFAR) -> tuple[_Promise, Fit | None]:
     """A quick fit without what it shows of the recording, of which a hundred would take a gigabyte.
 
     Noise that is coloured as what the last fit leaves foretells a large smooth rest so well that to be rid of it gains
     nothing: the log score by frequency, in which the level is learnt anew, has a say too.
     """
-    last, fitted = ground.last, refitted(ground, one, *from_afar)
+    last, fitted = ground.last, refitted(ground, one, from_afar)
     if fitted is None:
         return _Promise(one, 0.0, 0.0), None
     nats = float(score(fitted, ground.split).gain(ground.score).sum())

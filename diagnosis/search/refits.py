@@ -23,12 +23,12 @@ TO_REST = 40
 them, so that such a fit goes along a valley for thirty steps."""
 _MOST_TRIALS = 40  # of a search along a quantity
 _AFAR = 0.003  # of the first mode's frequency: within 16 swings, which ring on at 1 % of damping, a third of a radian
-_FROM_AFAR, LOOK = 8, 2  # steps of a quick fit that begins there, and of a first look at several
+FROM_AFAR, LOOK = 8, 2  # steps of a quick fit that begins there, and of a first look at several
 _MUCH = 0.5  # of what a score test promises of any form
 _QUICK_SETTLED = 1.0  # nats: of a quick fit, a third of what a number costs
 
 
-def refitted(ground: Ground, one: Begun, from_afar: int = _FROM_AFAR) -> Fit | None:
+def refitted(ground: Ground, one: Begun, from_afar: int = FROM_AFAR) -> Fit | None:
     """A form fitted quickly; None where what comes out is not possible. With derivatives of its own where those of the
     ground lead astray: what is promised much is far from there, where the images' noise is little. from_afar: steps
     with such derivatives, at most."""

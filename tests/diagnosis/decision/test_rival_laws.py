@@ -13,7 +13,7 @@ from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.forms.freeform import DRIVE
-from stillarm.diagnosis.forms.image_walk import FORM
+from stillarm.diagnosis.forms.sensor_walk import IMAGE_WALK as FORM
 from stillarm.diagnosis.search.candidates import Candidate
 from tests.fixtures.synthetic import fitted, measured
 

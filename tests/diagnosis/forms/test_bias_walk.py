@@ -1,6 +1,7 @@
 """A walk of an accelerometer's bias is told from its noise, from a slow line, and from what gravity explains."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,12 +10,16 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import explain
 from stillarm.diagnosis.fitting.fitted import Fit
-from stillarm.diagnosis.forms.bias_walk import FORM, bias_walk, is_foretold
+from stillarm.diagnosis.forms import sensor_walk
+from stillarm.diagnosis.forms.sensor_walk import BIAS
+from stillarm.diagnosis.forms.sensor_walk import BIAS_WALK as FORM
 from tests.fixtures.synthetic import NOISE, fitted, measured
 
 Array = NDArray[np.float64]
 SECONDS, CYCLES, STEP = 20.0, 20_000, 0.01
 """The walk's steps, m/s^2 from one millisecond to the next: 1.4 m/s^2 by the end, beside a noise of 0.3."""
+bias_walk = partial(sensor_walk.walk_in, channel=BIAS)
+is_foretold = partial(sensor_walk.is_foretold, channel=BIAS)
 
 
 def with_reading_off(off_m_s2: Array) -> Fit:

@@ -14,6 +14,7 @@ from stillarm.diagnosis.fitting.peaks import residual_peaks
 from stillarm.diagnosis.forms.catalogue import BEGINS, forms, from_an_onset
 from stillarm.diagnosis.forms.cause import Context, Form
 from stillarm.diagnosis.forms.causes import CAUSES
+from stillarm.diagnosis.forms.courses import path_terms
 from stillarm.diagnosis.physics.declared_effects import quantity_of
 from stillarm.diagnosis.physics.quantities import MOST_DOWN, MOST_UP
 from stillarm.diagnosis.physics.world import World
@@ -25,7 +26,7 @@ from stillarm.diagnosis.search.whitened import Whitened
 from tests.fixtures.synthetic import MODEL, fitted, measured
 
 WORLD = World(measured(6.0, 1), MODEL)
-# a hum, a walk, or a wave has to be there: test_swelling_hum.py, test_image_walk.py, test_delay_walk.py,
+# a hum, a walk, or a wave has to be there: test_swelling_hum.py, test_sensor_walk.py, test_delay_walk.py,
 # test_overtones.py
 ALL = [
     one for one in forms(WORLD) if one.name not in ("that swells", "as a random walk", "with its overtones")
@@ -234,3 +235,12 @@ def test_a_camera_that_turns_with_the_joint_alone_is_fitted_with_its_size() -> N
     assert found is not None
     told, std = tilt.cause.parameters_of(found)["rotation_px_per_rad"]
     assert abs(told - 80.0) < max(4.0 * std, 4.0)
+
+
+def test_the_path_that_tracking_strays_with_begins_where_the_tip_is(plain: Fit) -> None:
+    motion = plain.predicted.motion
+    elsewhere = replace(
+        plain, predicted=replace(plain.predicted, motion=replace(motion, tip=motion.tip + 5.0))
+    )
+    (here,), (there,) = path_terms(plain), path_terms(elsewhere)
+    assert there.columns["displacement"] == pytest.approx(here.columns["displacement"], abs=1e-9)

@@ -12,7 +12,7 @@ from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import explain
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.forms.delay_walk import FORM, delay_walk, is_foretold
-from stillarm.diagnosis.forms.image_walk import FORM as IMAGE_WALK
+from stillarm.diagnosis.forms.sensor_walk import IMAGE_WALK
 from tests.fixtures.synthetic import ARRIVAL_STD_S, MODEL, fitted, measured
 
 SECONDS, RATE_HZ = 24.0, 65.0

@@ -10,10 +10,13 @@ import pytest
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.forms.catalogue import forms
+from stillarm.diagnosis.forms.cause import Form
+from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search import comparison
 from stillarm.diagnosis.search.begun import Begun, Pair
 from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, Stage
 from stillarm.diagnosis.search.comparison import best_of_each, compared
+from stillarm.diagnosis.search.refits import FROM_AFAR, LOOK
 from tests.fixtures.synthetic import fitted, measured
 
 
@@ -96,6 +99,42 @@ def test_a_hint_says_which_forms_are_near(
     )
     hint = Hint(cast(Fit, None), Stage([], [there], there), struck)
     assert comparison._says_which_are_near(hint, here, interleaved(10.0)) is near
+
+
+def test_of_several_starts_afar_the_best_two_go_on_from_where_they_are(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of the form that begins in two places, and of what begins near, each start is fitted at once."""
+    payload, stiffness, hum = (cast(Form, SimpleNamespace(id=name, name="")) for name in ("p", "s", "h"))
+    world = cast(World, SimpleNamespace(forget=lambda: None))
+    starts = [
+        (payload, 4.0),
+        (payload, 1.0),
+        (payload, 3.0),
+        (payload, 2.0),
+        (stiffness, 5.0),
+        (stiffness, 6.0),
+    ]
+    begun_at = [Begun(form, world, np.array([at])) for form, at in (*starts, (hum, 7.0))]
+    fitted_from: list[tuple[float, int]] = []
+
+    def quickly(ground: object, one: Begun, steps: int = FROM_AFAR) -> tuple[comparison._Promise, Fit]:
+        at = float(one.start[0])
+        fitted_from.append((at, steps))
+        end = cast(Fit, SimpleNamespace(vector=np.array([at - 0.5])))
+        return comparison._Promise(one, -at, 0.0), end
+
+    monkeypatch.setattr(comparison, "_quickly", quickly)
+    monkeypatch.setattr(comparison, "begins_afar", lambda ground, one: one.form is not hum)
+    monkeypatch.setattr(
+        comparison, "shared_out", lambda work, items, known=(): [work(item) for item in items]
+    )
+    found = Found(cast(Fit, None), cast(Fit, None))
+    quick = comparison._quick_fits(cast(Any, None), begun_at, found, [])
+    looks = [(at, LOOK) for at in (4.0, 1.0, 3.0, 2.0)]
+    whole = [(at, FROM_AFAR) for at in (5.0, 6.0, 7.0, 0.5, 1.5)]
+    assert fitted_from == [*looks, *whole]
+    assert [one.begun.form for one, _ in quick[7:]] == [payload, payload]
 
 
 @pytest.mark.slow

@@ -1,6 +1,7 @@
 """A walk of the images is told from white noise, from a rest that swings, and from next to nothing."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,11 +10,15 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import explain
 from stillarm.diagnosis.fitting.fitted import Fit
-from stillarm.diagnosis.forms.image_walk import FORM, image_walk, is_foretold
+from stillarm.diagnosis.forms import sensor_walk
+from stillarm.diagnosis.forms.sensor_walk import IMAGE_WALK as FORM
+from stillarm.diagnosis.forms.sensor_walk import IMAGES
 from stillarm.diagnosis.sensors.late_bursts import wander_of
 from tests.fixtures.synthetic import NOISE, fitted, measured
 
 SECONDS, STEP_PX = 20.0, 0.3
+image_walk = partial(sensor_walk.walk_in, channel=IMAGES)
+is_foretold = partial(sensor_walk.is_foretold, channel=IMAGES)
 Array = NDArray[np.float64]
 
 
