@@ -1,7 +1,7 @@
 """From what was found to what is said: named, none or unexplained, how sure, and what is left (contract.md)."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from math import inf, tanh
 
@@ -111,11 +111,15 @@ def _alone(
     found: Found, first: Candidate, own: Sequence[str], others: Sequence[Group], split: Split
 ) -> Free | None:
     """The best free terms in the place of the first finding: by themselves on the fit that it was taken on, or where
-    these lead and more was found, beside that."""
+    these lead and more was found, beside that. Where they tell as much as all findings together, they take the place of
+    all: a sensor that bends in one way is then told by two causes, each of which bends in another."""
     best = best_free(fit_before(found, first), split, own, others)
     further = [one for one in found.findings if one is not first and one.law is None]
     if best is None or not further or best.merit < first.merit or _changes_structure(first, found.baseline):
         return best
+    lead = best.merit - sum(one.merit for one in (first, *further))
+    if lead >= 0.0:
+        return replace(best, merit=first.merit + lead, of_all=True)
     return beside_the_others(best, first, further, found.final, split)
 
 
@@ -141,10 +145,12 @@ def _odds_of_name(
     beyond = beside.merit if beside is not None and len(found.findings) == 1 else 0.0
     free = first.merit / max(first.merit + max(beyond, 0.0), 1e-9)
     ahead = (first.merit - (alone.merit if alone is not None else 0.0)) / max(first.merit, 1.0)
+    held = found.findings if alone is not None and alone.of_all else [first]
+    bends = any(is_of_free_form(one, fit_before(found, one)) for one in held)
     doubts = (
         _SHARPNESS * (share - EXPLAINED),
         _SHARPNESS * (free - 0.5),
-        2.0 * _SHARPNESS * (ahead + (0.0 if is_of_free_form(first, found.baseline) else _RIVAL)),
+        2.0 * _SHARPNESS * (ahead + (0.0 if bends else _RIVAL)),
     )
     odds = _logistic(min((*doubts, _doubt_of_course(found, first, split))))
     if compared:

@@ -20,7 +20,8 @@ from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
 
-_PIECES = 7  # of a free course over position, velocity or time
+_PIECES = 7  # of a free course over position, velocity, a reading or time
+_MOST = 0.8  # of all that a quantity moves, the part within the knots of a free course over it
 _SPEEDS = (0.03, 0.35, 0.7, 1.0)
 """Of the joint's largest speed, both ways: knots of a free course over it. The first is near rest, as friction jumps
 there."""
@@ -64,13 +65,14 @@ class Group:
 @dataclass(frozen=True)
 class Free:
     """A group of free terms, or a law without a name, on top of a fit. merit: nats that it adds, less its price.
-    channel: where it shows most; gains: nats in each channel."""
+    channel: where it shows most; gains: nats in each channel; of_all: tells by itself as much as all that was found."""
 
     group: Group
     merit: float
     channel: str
     fit: Fit
     gains: Mapping[str, float] = field(default_factory=dict)
+    of_all: bool = False
 
 
 def groups(peaks_hz: Iterable[float]) -> list[Group]:
@@ -112,8 +114,27 @@ def _unit(values: Array) -> Array:
 
 def _over(fit: Fit, which: str) -> Array:
     q, v = _state(fit)
-    x = _unit(q if which == "q" else v)
-    return hats(x, np.linspace(-1.0, 1.0, _PIECES))
+    return pieces_over(q if which == "q" else v)
+
+
+def pieces_over(x: Array) -> Array:
+    """A free course over a quantity about zero, (samples, 7): by straight pieces between knots, and straight on beyond
+    them. What the largest swing does shows in few blocks, or in a held-out one alone."""
+    knots = knots_over(x)
+    course = hats(x, knots)
+    beyond = np.maximum(np.abs(x) - knots[-1], 0.0) / (knots[1] - knots[0])
+    for end, inner, on in ((0, 1, beyond * (x < 0.0)), (-1, -2, beyond * (x > 0.0))):
+        course[:, end] += on
+        course[:, inner] -= on
+    return course
+
+
+def knots_over(x: Array) -> Array:
+    """Evenly about zero, (7,), as far as most swings of a quantity go."""
+    by_size = np.sort(np.abs(x))
+    gone = np.cumsum(by_size)
+    top = by_size[np.searchsorted(gone, _MOST * gone[-1])] or 1.0
+    return np.linspace(-top, top, _PIECES)
 
 
 def _even(fit: Fit) -> Array:
@@ -229,14 +250,14 @@ def _bent_reading(fit: Fit) -> dict[str, Array]:
     shown = fit.predicted.channels.get("acceleration")
     if shown is None:
         return {}
-    return {"acceleration": hats(_unit(shown), np.linspace(-1.0, 1.0, _PIECES))}
+    return {"acceleration": pieces_over(shown)}
 
 
 def _bent_image(fit: Fit) -> dict[str, Array]:
     shown = fit.predicted.channels.get("displacement")
     if shown is None:
         return {}
-    return {"displacement": hats(_unit(shown - np.median(shown)), np.linspace(-1.0, 1.0, _PIECES))}
+    return {"displacement": pieces_over(shown - np.median(shown))}
 
 
 def _scale_over_time(fit: Fit) -> dict[str, Array]:

@@ -22,7 +22,7 @@ from stillarm.diagnosis.decision.decide import (
 )
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.rest import Rest, explainable
-from stillarm.diagnosis.forms.freeform import Free
+from stillarm.diagnosis.forms.freeform import Free, Group
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.space import Added
 from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
@@ -113,7 +113,7 @@ def test_a_course_that_leaves_much_of_what_it_follows_is_no_name(arm: Fit, left:
 def test_a_hopeless_name_has_no_odds(arm: Fit) -> None:
     """Free terms that gain a hundred times as much: the log odds go below what the exponential function can take."""
     first = replace(_candidate("rotor_imbalance", 20.0), fit=replace(arm), nats=np.full(30, 20.0 / 30.0))
-    alone = cast(Free, SimpleNamespace(merit=2000.0 * first.merit))
+    alone = Free(cast(Group, None), 2000.0 * first.merit, "acceleration", arm)
     found = Found(arm, first.fit, [first])
     found.stages.append(Stage([], [first], first))
     assert _odds_of_name(found, first, SPLIT, None, alone) == 0.0
@@ -124,12 +124,36 @@ def test_free_terms_are_asked_where_nothing_matters(
     arm: Fit, free_terms: float, named: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A small departure that a name tells a little of, and a force that is not the same to both sides most."""
-    even = cast(Free, SimpleNamespace(merit=free_terms, group=SimpleNamespace()))
+    even = Free(cast(Group, None), free_terms, "acceleration", arm)
     monkeypatch.setattr(decide, "best_free", lambda last, *rest: even if last is arm and free_terms else None)
     first = replace(_candidate("rotor_imbalance", 20.0), fit=replace(arm), nats=np.full(30, 20.0 / 30.0))
     found = Found(arm, first.fit, [first])
     found.stages.append(Stage([], [first], first))
     assert judge(found, SPLIT).verdict == ("named" if named else "none")
+
+
+@pytest.mark.parametrize(("merit", "verdict"), [(1420.0, "unexplained"), (1380.0, "named")])
+def test_free_terms_that_tell_as_much_as_two_names_take_the_place_of_both(
+    arm: Fit, merit: float, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An accelerometer with an odd gain: clipping and a course of its sensitivity tell it no better than one bend.
+    merit: of free terms, where the names have 1400 together. Beside the second, they are worth nothing in the place of
+    the first."""
+    course = Added(
+        "gain", {"acceleration": np.ones((len(arm.residuals["acceleration"]), 1))}, 1.0, over_time=True
+    )
+    nats = np.full(30, 1000.0 / 30.0)
+    first = replace(_candidate("accelerometer_clipping", 1000.0), fit=replace(arm), nats=nats)
+    follows = replace(arm, world=arm.world.changed(added=(course,)))
+    second = replace(_candidate("accelerometer_sensitivity_drift", 400.0), fit=follows, nats=nats)
+    bend = Free(cast(Group, None), merit, "acceleration", arm)
+    monkeypatch.setattr(decide, "best_free", lambda last, *_: bend if last is arm else None)
+    monkeypatch.setattr(decide, "beside_the_others", lambda *_: replace(bend, merit=0.0))
+    monkeypatch.setattr(decide, "anything_matters", lambda *_: True)
+    monkeypatch.setattr(decide, "share_explained", lambda *_, **__: 1.0)
+    found = Found(arm, follows, [first, second])
+    found.stages += [Stage([], [one], one) for one in found.findings]
+    assert judge(found, SPLIT).verdict == verdict
 
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.9, "named"), (0.6, "unexplained")])

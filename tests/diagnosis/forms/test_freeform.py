@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stillarm.diagnosis.fitting.fitted import Fit
-from stillarm.diagnosis.forms.freeform import DRIVE, Group, _memory, groups
+from stillarm.diagnosis.forms.freeform import DRIVE, Group, _memory, groups, knots_over, pieces_over
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, fitted, measured
 
@@ -102,7 +102,7 @@ def test_a_force_over_the_deflection_is_a_stiffness(plain: Fit) -> None:
     """A course that is a straight line, -e w^2 q, raises the frequency by e / 2: as the simulation shows it."""
     hz, share = plain.value("modes.0.frequency_hz"), 2e-5
     q = plain.predicted.motion.q[:, 0]
-    line = -share * np.max(np.abs(q)) * np.linspace(-1.0, 1.0, 7)
+    line = -share * knots_over(q)
     wanted = moved(plain, "modes.0.frequency_hz", 0.5 * share * hz)
     for name, columns in named("position").columns(plain).items():
         if name in wanted:
@@ -110,11 +110,29 @@ def test_a_force_over_the_deflection_is_a_stiffness(plain: Fit) -> None:
             assert np.std(off) < 0.02 * np.std(wanted[name]), name
 
 
+def test_a_bend_learnt_of_most_swings_is_foretold_of_a_larger_one() -> None:
+    """A gain that falls off with size; one blow, half as large again, that nothing was learnt of: pieces that
+    end there foretell nothing of it."""
+    time = np.arange(0.0, 20.0, 0.001)
+    swing = np.exp(-0.1 * time) * np.sin(9.0 * time)
+    swing[12_000:12_700] *= 5.0
+    bent, learnt = swing - 0.3 * swing * np.abs(swing), np.abs(swing) < 0.9
+    courses = pieces_over(swing)
+    amounts = np.linalg.lstsq(courses[learnt], bent[learnt], rcond=None)[0]
+    off = (courses @ amounts - bent)[~learnt]
+    assert np.max(np.abs(swing[~learnt])) > 1.3
+    assert np.max(np.abs(off)) < 0.3 * np.max(np.abs(bent))
+
+
+def test_a_quantity_at_rest_has_courses_all_the_same() -> None:
+    assert np.isfinite(pieces_over(np.zeros(50))).all()
+
+
 def test_a_force_over_the_velocity_is_a_damping(plain: Fit) -> None:
     """-2 dz w q'."""
     hz, more = plain.value("modes.0.frequency_hz"), 2e-5
     v = np.gradient(plain.predicted.motion.q[:, 0], 0.001)
-    line = -2.0 * more / (2.0 * np.pi * hz) * np.max(np.abs(v)) * np.linspace(-1.0, 1.0, 7)
+    line = -2.0 * more / (2.0 * np.pi * hz) * knots_over(v)
     wanted = moved(plain, "modes.0.damping_ratio", more)
     for name, columns in named("velocity").columns(plain).items():
         if name in wanted:
@@ -125,8 +143,9 @@ def test_a_force_over_the_velocity_is_a_damping(plain: Fit) -> None:
 def test_a_force_that_wanders_alike_throughout_is_a_stiffness_and_a_damping(plain: Fit) -> None:
     """Its hats, all alike, sum up to one."""
     wander, position = named("wander").columns(plain), named("position").columns(plain)
+    q = plain.predicted.motion.q[:, 0]
+    line = knots_over(q) / np.max(np.abs(q))
     for name, columns in wander.items():
-        line = np.linspace(-1.0, 1.0, 7)
         assert columns[:, :7].sum(axis=1) == pytest.approx(position[name] @ line, rel=1e-9, abs=1e-6)
 
 
