@@ -10,8 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.events.impact_departure import departs_at
 from stillarm.diagnosis.events.impacts import ANEW, WHILE_SOUGHT, pruned, refit_with
-from stillarm.diagnosis.fitting.departures import LOUD_OVER_S, loud_at, loud_beside, stretches
+from stillarm.diagnosis.fitting.departures import loud_at, stretches
 from stillarm.diagnosis.fitting.fit import CHANGED_NATS
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.gains import gain_of
@@ -119,23 +120,8 @@ def _between(last: Fit, cycle: int) -> list[int]:
 
 
 def _onset(last: Fit, cycle: int) -> int | None:
-    """The cycle at which the accelerometer first departs, about an impact, from a model without it: an impact that
-    stands too early departs itself from there on. None where it does not, or where the impact is there already."""
-    world = last.world
-    acceleration = last.channel("acceleration")
-    jump = dict.fromkeys(world.space.names(f"jump.{world.impacts.index(cycle) + 1}."), 0.0)
-    without = world.predict(world.space.with_values(last.vector, jump)).channels.get("acceleration")
-    if acceleration is None or without is None:
-        return None
-    off = acceleration.residual + acceleration.predicted - without
-    known = np.isfinite(off)
-    width = round(LOUD_OVER_S / world.measured.cycle_s)
-    loud = np.zeros(len(off), bool)
-    loud[known] = loud_beside(off[known], acceleration.residual[known], width)
-    reach = round(1.0 / (last.value("modes.0.frequency_hz") * world.measured.cycle_s))
-    begins = max(cycle - reach, 0)
-    first = np.flatnonzero(loud[begins : cycle + reach])
-    if not len(first) or first[0] == 0:
-        return None
-    onset = begins + int(first[0]) + width // 2  # the window reaches back by as much
-    return onset if abs(onset - cycle) * world.measured.cycle_s > _SHARPER_S else None
+    """The cycle at which the accelerometer first departs about an impact; None where it does not, or where the impact
+    is there already."""
+    onset = departs_at(last, cycle)
+    sharper = onset is not None and abs(onset - cycle) * last.world.measured.cycle_s > _SHARPER_S
+    return onset if sharper else None

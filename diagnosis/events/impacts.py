@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.events.impact_departure import departs_at
 from stillarm.diagnosis.events.impact_doubt import doubts_about_modes, size_of_mode, sizes_in_stds
 from stillarm.diagnosis.events.jumps import find_jumps
 from stillarm.diagnosis.fitting.fit import colours, fit
@@ -109,17 +110,25 @@ def needs_more(last: Fit, other: Fit) -> bool:
 
 
 def impacts_while_moving(last: Fit) -> list[int]:
-    """The impacts within a swing of which the joint was on the move; without those that a better model bears out, and
-    those that end what is not judged: from there the arm rings from a state of its own, whatever the model says of
-    moves."""
+    """The impacts within a swing of which the joint was on the move; without those that a better model bears out, those
+    that end what is not judged, from where the arm rings from a state of its own, whatever the model says of moves, and
+    those that the accelerometer shows before the move: what is wrong about that departs later."""
     world = last.world
     reach = round(1.0 / (last.value("modes.0.frequency_hz") * world.measured.cycle_s))
     known = world.unjudged_ends | world.borne_out
     return [
         cycle
         for cycle in world.impacts
-        if cycle not in known and not world.measured.rests_about(cycle, reach)
+        if cycle not in known
+        and not world.measured.rests_about(cycle, reach)
+        and not _departs_at_rest(last, cycle, reach)
     ]
+
+
+def _departs_at_rest(last: Fit, cycle: int, reach: int) -> bool:
+    """Whether an impact shows while the joint rests, and has rested for so many cycles."""
+    onset = departs_at(last, cycle)
+    return onset is not None and not last.world.measured.told_to_move[max(onset - reach, 0) : onset].any()
 
 
 def without_impacts_while_moving(last: Fit) -> World:

@@ -111,6 +111,19 @@ def test_an_impact_that_a_better_model_bears_out_is_neither_dropped_nor_doubtful
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("struck", [True, False])
+def test_an_impact_that_shows_before_a_move_is_none_of_the_move(struck: bool) -> None:
+    """Within a swing of a move it may be either. What is wrong about the move departs after it has begun."""
+    plain = measured(9.0, 3)
+    there = int(plain.told_to_move.argmax()) - 150
+    data = measured(9.0, 3, impact(1, 0.1), impacts=(there,)) if struck else plain
+    world = World(data, MODEL, impacts=(there,))
+    last = fit(make_data(world, interleaved(9.0)), world.space.vector(), world.baseline_names())
+    assert not data.rests_about(there, round(1.0 / (last.value("modes.0.frequency_hz") * data.cycle_s)))
+    assert impacts_while_moving(last) == ([] if struck else [there])
+
+
+@pytest.mark.slow
 def test_what_a_fit_frees_beside_the_baseline_stays_free_while_impacts_are_sought() -> None:
     """A stiffness that is a little off would be made up for by impacts."""
     cubic = "arm.cubic_per_m2"

@@ -137,6 +137,26 @@ def test_of_several_starts_afar_the_best_two_go_on_from_where_they_are(
     assert [one.begun.form for one, _ in quick[7:]] == [payload, payload]
 
 
+def test_a_walk_is_held_against_what_tells_of_its_channel_however_little_that_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A clock that was set foretells the arrivals, beside a drift of a sensor that is told in ten ways."""
+    walk = comparison.delay_walk.FORM
+    monkeypatch.setattr(comparison, "_WALKS", ((walk, "arrival", lambda _, fit: fit.vector is not None),))
+    nothing = cast(Fit, SimpleNamespace(vector=None))
+    step = replace(nothing_but("clock_step", "arrival", 300.0), fit=cast(Fit, SimpleNamespace(vector=1)))
+    louder = [replace(nothing_but(f"cause {i}", "acceleration", 5000.0), fit=nothing) for i in range(10)]
+    wanders = replace(nothing_but(walk.id, "arrival", 390.0), form=walk.name)
+    by_merit = [*louder, wanders, step]
+    assert comparison._without_needless_walks(by_merit, nothing) == [*louder, step]
+    assert comparison._without_needless_walks([*louder, wanders], nothing) == [*louder, wanders]
+
+
+def nothing_but(cause: str, channel: str, merit: float) -> Candidate:
+    """A candidate that tells something in one channel."""
+    return Candidate(cause, cast(Fit, SimpleNamespace()), 0.0, 0.0, {}, merit=merit, gains={channel: merit})
+
+
 @pytest.mark.slow
 def test_tracking_that_strays_with_the_path_is_no_random_walk() -> None:
     """A walk goes anywhere; one number that foretells where it went is the better account, with its size."""
