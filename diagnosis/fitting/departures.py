@@ -130,8 +130,9 @@ def loud_stretch(
 
 def sets_in_s(last: Fit) -> list[float]:
     """Instants at which what a fit leaves in a channel grows, and half a swing before, s: there something may have set
-    in. Of each channel the first that is plain against the beginning, and the likeliest of two levels, one before and
-    one after (Hinkley, Biometrika 57, 1970)."""
+    in. Of each channel the first that is plain against the beginning, the likeliest of two levels, one before and one
+    after (Hinkley, Biometrika 57, 1970), and the same once more of what follows that (binary segmentation: Scott and
+    Knott, Biometrics 30, 1974): an impact's ringing may have set in before."""
     world, swing_s = last.world, 1.0 / last.value("modes.0.frequency_hz")
     found: list[float] = []
     for name in ("acceleration", "deflection", "displacement", "joint_position"):
@@ -145,7 +146,10 @@ def sets_in_s(last: Fit) -> list[float]:
         parts = np.array_split(np.stack((time[known], last.residuals[name][known] ** 2)), count, axis=1)
         starts = np.array([part[0, 0] for part in parts])
         power = np.array([part[1].mean() for part in parts])
-        found += [float(starts[i]) for i in {_first_louder(power), _likeliest_louder(power)} if i is not None]
+        places = {_first_louder(power), likeliest := _likeliest_louder(power)} - {None}
+        if likeliest is not None and (later := _likeliest_louder(power[likeliest:])) is not None:
+            places.add(likeliest + later)
+        found += [float(starts[i]) for i in places]
     return [instant for one in found for instant in (one, max(one - 0.5 * swing_s, 0.0))]
 
 

@@ -8,7 +8,7 @@ Lost frames, bursts, spikes and steps of a clock come by chance: no simulation f
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cache
-from math import atan2, cos, hypot, isnan, sin, sqrt
+from math import atan2, cos, hypot, isnan, pi, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -45,6 +45,7 @@ _QUANTITIES: dict[str, dict[str, str]] = {
     "stale_frame_buffer": {"onset_s": "timing.stale_onset_s", "frames": "timing.stale_frames"},
 }
 _WAVES = {"periodic_disturbance": "arm.periodic", "mains_hum": "accelerometer.hum"}
+_WAVE_SINCE = {"mains_hum": "accelerometer.begin_s"}  # from when on a wave's law counts time
 _OWN_WAY = {"stiffness_drift", *_WAVES}
 
 _FITTED: set[Acts] = {"force", "friction", "frequency", "command", "sensitivity", "reading", "image"}
@@ -145,7 +146,10 @@ def effects_in(vector: Array, place: Mapping[str, int]) -> list[tuple[str, dict[
     )
     for cause, prefix in _WAVES.items():
         hz, sine, cosine = (float(vector[place[f"{prefix}_{part}"]]) for part in ("hz", "sin", "cos"))
-        wave = {"frequency_hz": hz, "amplitude_m_s2": hypot(sine, cosine), "phase_rad": atan2(cosine, sine)}
+        since_s = float(vector[place[_WAVE_SINCE[cause]]]) if cause in _WAVE_SINCE else 0.0
+        # of its time since then, so that the wave stays where it is while an onset is sought
+        phase = atan2(cosine, sine) + 2.0 * pi * hz * since_s
+        wave = {"frequency_hz": hz, "amplitude_m_s2": hypot(sine, cosine), "phase_rad": phase}
         derived.append((cause, wave))
     return [*found, *((cause, values) for cause, values in derived if not LAWS[cause].is_idle(values))]
 

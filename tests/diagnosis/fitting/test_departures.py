@@ -97,6 +97,17 @@ def test_what_a_rest_becomes_louder_at_is_told_to_a_part_of_a_second_and_of_an_e
     assert all(7.0 < one < 7.6 for one in found)
 
 
+def test_what_sets_in_after_something_else_has_is_told_too() -> None:
+    """A hum that is far louder than what an impact has left since."""
+    last = fitted(measured(12.0, 3))
+    off = last.residuals["acceleration"].copy()
+    off[4400:] *= 10.0
+    off[8100:] *= 10.0
+    found = sets_in_s(replace(last, residuals={**last.residuals, "acceleration": off}))
+    for there_s in (4.4, 8.1):
+        assert min(abs(one - there_s) for one in found) < 0.1
+
+
 def test_what_is_loud_for_long_after_is_not_as_loud(arm: Fit) -> None:
     """A wrong account of a push leaves ten times the usual for as long as the arm rings."""
     pushed = with_more(with_more(arm, "acceleration", 4.0, 4.3, 1000.0), "acceleration", 4.3, 7.0, 20.0)

@@ -83,3 +83,17 @@ def test_a_filter_of_second_order_is_the_equation_solved_by_small_steps() -> Non
         second += (first - second) * (STEP_S / steps) / (0.5 * lag_s)
         kept[k] = second
     assert np.max(np.abs(shown - kept[::steps])) < 0.01 * np.max(np.abs(plain - shown))
+
+
+def test_a_hum_stays_where_it_is_while_its_onset_is_sought() -> None:
+    """Its phase is of the recording's time: from any onset on it is the same wave."""
+    world = World(measured(4.0, 1), MODEL)
+    hum = {"accelerometer.hum_hz": 49.97, "accelerometer.hum_sin": 1.0, "accelerometer.hum_cos": -2.0}
+
+    def reads(begin_s: float) -> np.ndarray:
+        vector = world.space.with_values(world.space.vector(), hum | {"accelerometer.begin_s": begin_s})
+        return world.predict(vector).channels["acceleration"]
+
+    for begin_s in (1.0, 1.007, 2.503):
+        acts = world.cycle_times >= begin_s
+        assert reads(begin_s)[acts] == pytest.approx(reads(0.0)[acts], abs=1e-9)
