@@ -21,7 +21,7 @@ from stillarm.diagnosis.events.frequency_course import with_resonance_of
 from stillarm.diagnosis.fitting.fitted import refitted_model
 from stillarm.diagnosis.physics.declared_effects import with_found
 from stillarm.diagnosis.report import tables as say
-from stillarm.diagnosis.report.extended_model import baseline_changes, effect_of
+from stillarm.diagnosis.report.extended_model import baseline_changes, effects_of
 from stillarm.diagnosis.report.result import Result
 
 _SHORTEST_S, _FEWEST_PAIRS = 3.0, 128  # of a recording; samples of a pair
@@ -101,7 +101,7 @@ def diagnose_measured(
     outcome = run(measured, model, hold_out, tick, budget)
     found, judged, split = outcome.found, outcome.judged, outcome.split
     extended = refitted_model(model, found.final)
-    effects = [effect_of(one, found.final) for one in found.findings]
+    effects = [each for one in found.findings for each in effects_of(one, found.final)]
     extended = msgspec.structs.replace(extended, effects=with_found(model.effects, effects))
     table = {
         "verdict": judged.verdict,

@@ -166,7 +166,7 @@ def _first_louder(power: Array) -> int | None:
 
 def _likeliest_louder(power: Array) -> int | None:
     """Where the parts of a residual have most likely one level before and a higher one after; None where not."""
-    at = np.arange(len(power) // 10, len(power) - len(power) // 10)
+    at = np.arange(max(len(power) // 10, 1), len(power) - len(power) // 10)
     if len(at) < _RUN:
         return None
     sums = np.concatenate(([0.0], np.cumsum(power)))

@@ -27,6 +27,7 @@ from stillarm.diagnosis.forms.cause import (
 )
 from stillarm.diagnosis.forms.causes import CAUSES
 from stillarm.diagnosis.forms.causes.camera_clock_skew import FROM_AN_ONSET as SKEW_FROM_AN_ONSET
+from stillarm.diagnosis.forms.causes.mains_hum import WITH_THIRD as HUM_WITH_THIRD
 from stillarm.diagnosis.forms.coasting import CAUSE as COASTING_PLAY
 from stillarm.diagnosis.forms.courses import (
     arc_terms,
@@ -254,6 +255,7 @@ _FURTHER: tuple[Form, ...] = (
         needs=has("acceleration"),
     ),
     SWELLING_HUM,
+    HUM_WITH_THIRD,
     TILTED_SENSOR,
     SKEW_FROM_AN_ONSET,
     of_course(

@@ -46,6 +46,12 @@ _QUANTITIES: dict[str, dict[str, str]] = {
 }
 _WAVES = {"periodic_disturbance": "arm.periodic", "mains_hum": "accelerometer.hum"}
 _WAVE_SINCE = {"mains_hum": "accelerometer.begin_s"}  # from when on a wave's law counts time
+_PARTS_OF_WAVES = (
+    ("periodic_disturbance", 1.0, "arm.periodic", "arm.periodic_sin", "arm.periodic_cos"),
+    ("mains_hum", 1.0, "accelerometer.hum", "accelerometer.hum_sin", "accelerometer.hum_cos"),
+    ("mains_hum", 3.0, "accelerometer.hum", "accelerometer.hum_third_sin", "accelerometer.hum_third_cos"),
+)
+"""Each with its order, and the quantities of its frequency and of its sine and cosine parts."""
 _OWN_WAY = {"stiffness_drift", *_WAVES}
 
 _FITTED: set[Acts] = {"force", "friction", "frequency", "command", "sensitivity", "reading", "image"}
@@ -144,12 +150,13 @@ def effects_in(vector: Array, place: Mapping[str, int]) -> list[tuple[str, dict[
     derived.append(
         ("stiffness_drift", rate | {"higher_modes_share": float(vector[place["arm.higher_modes_share"]])})
     )
-    for cause, prefix in _WAVES.items():
-        hz, sine, cosine = (float(vector[place[f"{prefix}_{part}"]]) for part in ("hz", "sin", "cos"))
+    for cause, order, prefix, sine, cosine in _PARTS_OF_WAVES:
+        amount, other = float(vector[place[sine]]), float(vector[place[cosine]])
+        hz = order * float(vector[place[f"{prefix}_hz"]])
         since_s = float(vector[place[_WAVE_SINCE[cause]]]) if cause in _WAVE_SINCE else 0.0
         # of its time since then, so that the wave stays where it is while an onset is sought
-        phase = atan2(cosine, sine) + 2.0 * pi * hz * since_s
-        wave = {"frequency_hz": hz, "amplitude_m_s2": hypot(sine, cosine), "phase_rad": phase}
+        phase = atan2(other, amount) + 2.0 * pi * hz * since_s
+        wave = {"frequency_hz": hz, "amplitude_m_s2": hypot(amount, other), "phase_rad": phase}
         derived.append((cause, wave))
     return [*found, *((cause, values) for cause, values in derived if not LAWS[cause].is_idle(values))]
 

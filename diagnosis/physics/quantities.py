@@ -143,6 +143,8 @@ class Layout:
             ("accelerometer.hum_hz", 0.0, 0.0, 5000.0, 1e-5),
             ("accelerometer.hum_sin", 0.0, -1e3, 1e3, 1e-5),
             ("accelerometer.hum_cos", 0.0, -1e3, 1e3, 1e-5),
+            ("accelerometer.hum_third_sin", 0.0, -1e3, 1e3, 1e-5),
+            ("accelerometer.hum_third_cos", 0.0, -1e3, 1e3, 1e-5),
             ("camera.scale_px_per_m", camera.scale_px_per_m, -1e7, 1e7, 1e-5 * abs(camera.scale_px_per_m)),
             ("camera.offset_px", 0.0, -1e6, 1e6, 1e-3),
             ("camera.rotation_px_per_rad", camera.rotation_px_per_rad, -1e7, 1e7, 1e-2),

@@ -1,6 +1,6 @@
 """The model file with what was fitted and what was found: simulate, replay and the demo run it."""
 
-from math import atan2
+from math import atan2, hypot
 from typing import Any
 
 import msgspec
@@ -12,6 +12,23 @@ from stillarm.common.files.model import Model
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.search.candidates import Candidate
 from stillarm.diagnosis.sensors.laws import OF_STAMPS
+
+
+def effects_of(one: Candidate, final: Fit) -> list[dict[str, EffectValue]]:
+    """A finding as entries of [[effects]]: a hum's third harmonic is a hum of its own."""
+    effect = effect_of(one, final)
+    if one.cause != "mains_hum":
+        return [effect]
+    sine, cosine = (final.value(f"accelerometer.hum_third_{part}") for part in ("sin", "cos"))
+    if sine == cosine == 0.0:
+        return [effect]
+    third: dict[str, EffectValue] = {
+        "cause": one.cause,
+        "frequency_hz": 3.0 * final.value("accelerometer.hum_hz"),
+        "amplitude_m_s2": hypot(sine, cosine),
+        "phase_rad": atan2(cosine, sine),
+    }
+    return [effect, third]
 
 
 def effect_of(one: Candidate, final: Fit) -> dict[str, EffectValue]:

@@ -1,9 +1,12 @@
 """Mains hum on the accelerometer."""
 
+from dataclasses import replace
+
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.forms.cause import (
     Cause,
     Context,
+    Form,
     Trial,
     Values,
     free_of,
@@ -21,12 +24,24 @@ def _trials(context: Context) -> list[Trial]:
     ]
 
 
+def _trials_with_third(context: Context) -> list[Trial]:
+    """Of the mains' lines that have one at three times their frequency: a loaded mains is flat at its tops."""
+    peaks = context.peaks_hz.get("acceleration", ())
+    third = [
+        f for f in peaks if _among(f, _FIRST_HZ) and any(abs(one / (3.0 * f) - 1.0) < _AT for one in peaks)
+    ]
+    amounts = ("hum_sin", "hum_cos", "hum_third_sin", "hum_third_cos")
+    columns = tuple({f"accelerometer.{one}": 0.01} for one in amounts)
+    return [Trial({"accelerometer.hum_hz": f}, columns) for f in third]
+
+
 def _values(fit: Fit) -> Values:
     found = plain(fit, frequency_hz="accelerometer.hum_hz")
     found["amplitude_m_s2"] = size_of_wave(fit, "accelerometer.hum_sin", "accelerometer.hum_cos")
     return found
 
 
+_FIRST_HZ, _AT = (50.0, 60.0), 0.003  # of the mains; of three times that, to which a peak tells a line
 _MAINS_HZ = (50.0, 60.0, 100.0, 120.0, 150.0, 180.0)  # the two mains, their second and third harmonics
 
 
@@ -57,4 +72,18 @@ CAUSE = Cause(
     free=free_of("accelerometer.hum_hz", "accelerometer.hum_sin", "accelerometer.hum_cos"),
     parameters_of=_values,
     prior_penalty=_unusual,
+)
+WITH_THIRD = Form(
+    replace(
+        CAUSE,
+        trials=_trials_with_third,
+        free=free_of(
+            "accelerometer.hum_hz",
+            "accelerometer.hum_sin",
+            "accelerometer.hum_cos",
+            "accelerometer.hum_third_sin",
+            "accelerometer.hum_third_cos",
+        ),
+    ),
+    "with its third harmonic",
 )
