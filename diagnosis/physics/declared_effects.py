@@ -45,13 +45,12 @@ _QUANTITIES: dict[str, dict[str, str]] = {
     "stale_frame_buffer": {"onset_s": "timing.stale_onset_s", "frames": "timing.stale_frames"},
 }
 _WAVES = {"periodic_disturbance": "arm.periodic", "mains_hum": "accelerometer.hum"}
-_WAVE_SINCE = {"mains_hum": "accelerometer.begin_s"}  # from when on a wave's law counts time
-_PARTS_OF_WAVES = (
-    ("periodic_disturbance", 1.0, "arm.periodic", "arm.periodic_sin", "arm.periodic_cos"),
-    ("mains_hum", 1.0, "accelerometer.hum", "accelerometer.hum_sin", "accelerometer.hum_cos"),
-    ("mains_hum", 3.0, "accelerometer.hum", "accelerometer.hum_third_sin", "accelerometer.hum_third_cos"),
+_HARMONICS = (
+    ("periodic_disturbance", 1.0, "arm.periodic", "arm.periodic"),
+    ("mains_hum", 1.0, "accelerometer.hum", "accelerometer.hum"),
+    ("mains_hum", 3.0, "accelerometer.hum", "accelerometer.hum_third"),
 )
-"""Each with its order, and the quantities of its frequency and of its sine and cosine parts."""
+"""Of waves: order, and how the quantities of its frequency, and of its sine and cosine parts, begin."""
 _OWN_WAY = {"stiffness_drift", *_WAVES}
 
 _FITTED: set[Acts] = {"force", "friction", "frequency", "command", "sensitivity", "reading", "image"}
@@ -150,15 +149,29 @@ def effects_in(vector: Array, place: Mapping[str, int]) -> list[tuple[str, dict[
     derived.append(
         ("stiffness_drift", rate | {"higher_modes_share": float(vector[place["arm.higher_modes_share"]])})
     )
-    for cause, order, prefix, sine, cosine in _PARTS_OF_WAVES:
-        amount, other = float(vector[place[sine]]), float(vector[place[cosine]])
-        hz = order * float(vector[place[f"{prefix}_hz"]])
-        since_s = float(vector[place[_WAVE_SINCE[cause]]]) if cause in _WAVE_SINCE else 0.0
-        # of its time since then, so that the wave stays where it is while an onset is sought
-        phase = atan2(other, amount) + 2.0 * pi * hz * since_s
-        wave = {"frequency_hz": hz, "amplitude_m_s2": hypot(amount, other), "phase_rad": phase}
+    for cause, wave in waves_of(lambda name: float(vector[place[name]])):
+        if cause == "mains_hum":
+            # its law counts time from its onset: while that is sought, the wave stays where it is
+            wave["phase_rad"] += (
+                2.0 * pi * wave["frequency_hz"] * float(vector[place["accelerometer.begin_s"]])
+            )
         derived.append((cause, wave))
     return [*found, *((cause, values) for cause, values in derived if not LAWS[cause].is_idle(values))]
+
+
+def waves_of(value: Callable[[str], float]) -> list[tuple[str, dict[str, float]]]:
+    """The waves that quantities say, idle ones too, each as an effect's values; a hum's third harmonic is a hum of its
+    own. Phases are of the recording's time. value: of a quantity."""
+    found = []
+    for cause, order, prefix, parts in _HARMONICS:
+        sine, cosine = value(f"{parts}_sin"), value(f"{parts}_cos")
+        wave = {
+            "frequency_hz": order * value(f"{prefix}_hz"),
+            "amplitude_m_s2": hypot(sine, cosine),
+            "phase_rad": atan2(cosine, sine),
+        }
+        found.append((cause, wave))
+    return found
 
 
 def waves_to_refit(model: Model) -> list[str]:

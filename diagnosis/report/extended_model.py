@@ -1,6 +1,5 @@
 """The model file with what was fitted and what was found: simulate, replay and the demo run it."""
 
-from math import atan2, hypot
 from typing import Any
 
 import msgspec
@@ -10,25 +9,20 @@ from stillarm.common.causes import CAUSES
 from stillarm.common.files.effects_check import EffectValue
 from stillarm.common.files.model import Model
 from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.physics.declared_effects import waves_of
 from stillarm.diagnosis.search.candidates import Candidate
 from stillarm.diagnosis.sensors.laws import OF_STAMPS
 
 
 def effects_of(one: Candidate, final: Fit) -> list[dict[str, EffectValue]]:
-    """A finding as entries of [[effects]]: a hum's third harmonic is a hum of its own."""
-    effect = effect_of(one, final)
-    if one.cause != "mains_hum":
-        return [effect]
-    sine, cosine = (final.value(f"accelerometer.hum_third_{part}") for part in ("sin", "cos"))
-    if sine == cosine == 0.0:
-        return [effect]
-    third: dict[str, EffectValue] = {
-        "cause": one.cause,
-        "frequency_hz": 3.0 * final.value("accelerometer.hum_hz"),
-        "amplitude_m_s2": hypot(sine, cosine),
-        "phase_rad": atan2(cosine, sine),
-    }
-    return [effect, third]
+    """A finding as entries of [[effects]]: a wave's further harmonics are waves of their own."""
+    further = [wave for wave in _waves(one, final)[1:] if wave["amplitude_m_s2"] > 0.0]
+    others: list[dict[str, EffectValue]] = [{"cause": one.cause, **wave} for wave in further]
+    return [effect_of(one, final), *others]
+
+
+def _waves(one: Candidate, final: Fit) -> list[dict[str, float]]:
+    return [wave for cause, wave in waves_of(final.value) if cause == one.cause]
 
 
 def effect_of(one: Candidate, final: Fit) -> dict[str, EffectValue]:
@@ -45,9 +39,8 @@ def effect_of(one: Candidate, final: Fit) -> dict[str, EffectValue]:
             effect[parameter.name] = round(value)
         else:
             effect[parameter.name] = float(min(max(value, parameter.lowest), parameter.highest))
-    for cause, prefix in (("periodic_disturbance", "arm.periodic"), ("mains_hum", "accelerometer.hum")):
-        if one.cause == cause:  # sine and cosine parts as one phase
-            effect["phase_rad"] = atan2(final.value(f"{prefix}_cos"), final.value(f"{prefix}_sin"))
+    for wave in _waves(one, final)[:1]:
+        effect["phase_rad"] = wave["phase_rad"]
     if one.cause == "gear_backlash":
         effect["behind_encoder"] = final.world.behind_encoder
     if one.cause == "clock_step" and one.note:

@@ -15,10 +15,9 @@ from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import gain_of
 from stillarm.diagnosis.fitting.rest import anything_but_spikes_matters
-from stillarm.diagnosis.forms import delay_walk
+from stillarm.diagnosis.forms import delay_walk, sensor_walk
 from stillarm.diagnosis.forms.catalogue import from_an_onset
 from stillarm.diagnosis.forms.cause import Form
-from stillarm.diagnosis.forms.sensor_walk import BIAS, BIAS_WALK, IMAGE_WALK, IMAGES, is_foretold
 from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.space import Added
@@ -44,8 +43,12 @@ _Item = TypeVar("_Item")
 _Key = TypeVar("_Key")
 _POLISHED = 3  # causes
 _WALKS: tuple[tuple[Form, str, Callable[[Fit, Fit], bool]], ...] = (
-    (IMAGE_WALK, IMAGES, partial(is_foretold, channel=IMAGES)),
-    (BIAS_WALK, BIAS, partial(is_foretold, channel=BIAS)),
+    (
+        sensor_walk.IMAGE_WALK,
+        sensor_walk.IMAGES,
+        partial(sensor_walk.is_foretold, channel=sensor_walk.IMAGES),
+    ),
+    (sensor_walk.BIAS_WALK, sensor_walk.BIAS, partial(sensor_walk.is_foretold, channel=sensor_walk.BIAS)),
     (delay_walk.FORM, "arrival", delay_walk.is_foretold),
 )
 """Each with the channel in which it walks, and with whether another fit foretells what it follows."""
@@ -145,12 +148,12 @@ def _without_needless_walks(by_merit: Sequence[Candidate], last: Fit) -> list[Ca
     foretells these as well, whatever else is hidden that gains more elsewhere; of the same cause one that takes no
     course of its own, such as a drift with the path travelled."""
     needless = set()
-    for form, channel, foretold_by in _WALKS:
+    for form, channel, is_foretold in _WALKS:
         others = [one for one in by_merit if one.form != form.name and one.merit > PRICE_NATS]
         others.sort(key=lambda one: -one.gains.get(channel, 0.0))
         rivals = [one.fit for one in others[:_RIVALS] if one.cause != form.id or not is_course(one, last)]
         walks = any(one.form == form.name and one.cause == form.id for one in by_merit)
-        if walks and any(foretold_by(last, rival) for rival in rivals):
+        if walks and any(is_foretold(last, rival) for rival in rivals):
             needless.add((form.id, form.name))
     return [one for one in by_merit if (one.cause, one.form) not in needless]
 

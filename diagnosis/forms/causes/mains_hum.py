@@ -15,13 +15,14 @@ from stillarm.diagnosis.forms.cause import (
     size_of_wave,
 )
 
+_HZ = "accelerometer.hum_hz"
+_FIRST = ("accelerometer.hum_sin", "accelerometer.hum_cos")
+_THIRD = ("accelerometer.hum_third_sin", "accelerometer.hum_third_cos")
+
 
 def _trials(context: Context) -> list[Trial]:
     peaks = {f for channel in ("acceleration",) for f in context.peaks_hz.get(channel, ())}
-    return [
-        Trial({"accelerometer.hum_hz": f}, ({"accelerometer.hum_sin": 0.01}, {"accelerometer.hum_cos": 0.01}))
-        for f in sorted(peaks)
-    ]
+    return [Trial({_HZ: f}, tuple({one: 0.01} for one in _FIRST)) for f in sorted(peaks)]
 
 
 def _trials_with_third(context: Context) -> list[Trial]:
@@ -30,14 +31,12 @@ def _trials_with_third(context: Context) -> list[Trial]:
     third = [
         f for f in peaks if _among(f, _FIRST_HZ) and any(abs(one / (3.0 * f) - 1.0) < _AT for one in peaks)
     ]
-    amounts = ("hum_sin", "hum_cos", "hum_third_sin", "hum_third_cos")
-    columns = tuple({f"accelerometer.{one}": 0.01} for one in amounts)
-    return [Trial({"accelerometer.hum_hz": f}, columns) for f in third]
+    return [Trial({_HZ: f}, tuple({one: 0.01} for one in (*_FIRST, *_THIRD))) for f in third]
 
 
 def _values(fit: Fit) -> Values:
-    found = plain(fit, frequency_hz="accelerometer.hum_hz")
-    found["amplitude_m_s2"] = size_of_wave(fit, "accelerometer.hum_sin", "accelerometer.hum_cos")
+    found = plain(fit, frequency_hz=_HZ)
+    found["amplitude_m_s2"] = size_of_wave(fit, *_FIRST)
     return found
 
 
@@ -58,7 +57,7 @@ def _among(hz: float, usual_hz: tuple[float, ...]) -> bool:
 
 
 def _unusual(fit: Fit) -> float:
-    hz = fit.value("accelerometer.hum_hz")
+    hz = fit.value(_HZ)
     if of_the_mains(hz):
         return 0.0
     # a machine may run at any frequency: at a rare mains' it is a little likelier
@@ -69,21 +68,10 @@ CAUSE = Cause(
     id="mains_hum",
     needs=has("acceleration"),
     trials=_trials,
-    free=free_of("accelerometer.hum_hz", "accelerometer.hum_sin", "accelerometer.hum_cos"),
+    free=free_of(_HZ, *_FIRST),
     parameters_of=_values,
     prior_penalty=_unusual,
 )
 WITH_THIRD = Form(
-    replace(
-        CAUSE,
-        trials=_trials_with_third,
-        free=free_of(
-            "accelerometer.hum_hz",
-            "accelerometer.hum_sin",
-            "accelerometer.hum_cos",
-            "accelerometer.hum_third_sin",
-            "accelerometer.hum_third_cos",
-        ),
-    ),
-    "with its third harmonic",
+    replace(CAUSE, trials=_trials_with_third, free=free_of(_HZ, *_FIRST, *_THIRD)), "with its third harmonic"
 )

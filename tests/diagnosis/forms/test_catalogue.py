@@ -46,10 +46,15 @@ def plain() -> Fit:
     return fitted(measured(6.0, 1))
 
 
+def context_of(plain: Fit) -> Context:
+    """With lines in the acceleration that some forms ask for."""
+    return Context(plain, residual_peaks(plain) | {"acceleration": (7.0, 50.0, 150.0)})
+
+
 def fit_of(one: Form, plain: Fit) -> Fit:
     """A fit with the form's terms, at the baseline."""
     world = plain.world.changed(added=one.added(plain)) if one.added else plain.world
-    trials = one.cause.trials(Context(plain, residual_peaks(plain) | {"acceleration": (7.0, 50.0, 150.0)}))
+    trials = one.cause.trials(context_of(plain))
     options = dict(trials[0].options) if trials else {}  # what the data do not ask for is not tried
     world = variant(world, options) if options else world
     start = carried_over(plain, world)
@@ -74,9 +79,7 @@ def test_its_quantities_exist_and_its_parameters_are_the_catalogues(one: Form, p
     place = found.world.space.place
     free = one.cause.free(found.world)
     assert free and all(name in place for name in free)
-    for trial in one.cause.trials(
-        Context(plain, residual_peaks(plain) | {"acceleration": (7.0, 50.0, 150.0)})
-    ):
+    for trial in one.cause.trials(context_of(plain)):
         for column in (trial.shape, *trial.columns):
             own = variant(found.world, dict(trial.options)).space.place if trial.options else place
             assert all(name in own for name in column)
@@ -116,7 +119,7 @@ def test_what_begins_at_the_end_has_done_nothing(one: Form, plain: Fit) -> None:
     later = from_an_onset(one)
     assert later is not None and later.begins is not None
     found = fit_of(one, plain)
-    trial = one.cause.trials(Context(plain, residual_peaks(plain) | {"acceleration": (7.0, 50.0, 150.0)}))[-1]
+    trial = one.cause.trials(context_of(plain))[-1]
     world = found.world
     values = {**trial.shape, **trial.columns[0]}
 
