@@ -9,8 +9,9 @@ from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.free_terms import beside_the_others, best_free
+from stillarm.diagnosis.decision.rival_causes import ODDS_NATS, beside_what_followed, class_of, runner_up
 from stillarm.diagnosis.decision.rival_laws import rival_law
-from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, score
+from stillarm.diagnosis.fitting.evidence import score
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.rest import (
     Rest,
@@ -25,15 +26,11 @@ from stillarm.diagnosis.search.candidates import (
     EXPLAINED,
     Candidate,
     Found,
-    Stage,
-    explains_the_same,
     shows_most,
     turns_the_joint,
 )
 from stillarm.diagnosis.search.convincing import is_course, is_of_free_form
 
-ODDS_NATS = 3.0
-"""Odds of 20 to 1 (contract.md)."""
 MOST_CONFIDENCE = 0.9
 """However large the odds: of 59 names that the odds alone put above 0.9 in recordings of another simulator, 54 were
 right (docs/benchmark-diagnosis.md; rule of succession). A cause that is in no catalogue may look like one that is,
@@ -44,7 +41,6 @@ were right (seeds 120 and 122, and the strangers': docs/benchmark-diagnosis.md; 
 _TOLD_UNCOMPARED = 0.75
 """Of what is explainable, that such a name has to explain: less leaves as much to a law without a name as the name
 itself has beyond what suffices (EXPLAINED)."""
-_TIE = 0.02  # of a finding's nats: a rival that lacks less is as good, as no formula is quite the true one
 _CHANNEL_OF = {"accelerometer": "acceleration", "camera": "displacement"}
 _SHARPNESS = 10.0  # of the change from one verdict to the other
 _OF_LAWS = 0.97  # a law of noise or timing is seen in its own channel
@@ -73,7 +69,8 @@ class Judged:
 
 
 def judge(found: Found, split: Split) -> Judged:
-    """Weigh what was named against what has no name, and against nothing."""
+    """Weigh what was named against what has no name, and against nothing. found: its rivals get the merits that they
+    have beside all that was found."""
     rests = [rest_of(found.final, name, split) for name in found.final.residuals]
     material = any(not one.immaterial for one in rests)
     mattered = anything_matters(found.baseline, split)
@@ -92,6 +89,7 @@ def judge(found: Found, split: Split) -> Judged:
             # whatever a perfect model would gain: where nothing matters, it is not told how much that is
             if first is not None and first.law is None:
                 alone = _alone(found, first, own, (beside.group,) if beside else (), split)
+        beside_what_followed(found, split)
     except OutOfTime:
         left_out.append("structure without a name")
     if first is None:
@@ -196,7 +194,7 @@ def share_explained(
     if one.law is not None:
         return 1.0
     gains = score(one.fit, split).gains(score(before, split))
-    left = _left_to_explain(one.fit, before, gains, split)
+    left = _left_to_explain(final or one.fit, before, gains, split)
     own = _own_channels(one, before) if only is None else tuple(name for name in only if name in left)
     if own and (only is not None or _largest_there(before, final or one.fit, own, split)):
         gained = sum(gains[name] for name in own)
@@ -258,31 +256,3 @@ def _confidence(found: Found, one: Candidate, named: float) -> float:
     lead = one.merit - (rival.merit if rival is not None else 0.0)
     sure = _logistic(min(lead, 60.0) / ODDS_NATS)
     return float(min(MOST_CONFIDENCE, named * sure) / (1 + len(near)))
-
-
-def runner_up(found: Found, one: Candidate) -> Candidate | None:
-    """The best other cause when a finding was taken."""
-    others = [
-        each
-        for each in stage_of(found, one).candidates
-        if each.cause != one.cause and each.law is None and explains_the_same(each, one)
-    ]
-    return max(others, key=lambda each: each.merit, default=None) if one.law is None else None
-
-
-def class_of(found: Found, one: Candidate) -> list[str]:
-    """Other causes that these data do not tell from a finding at odds of 20 to 1."""
-    if one.law is not None:
-        return []
-    near = []
-    for each in stage_of(found, one).candidates:
-        if each.cause == one.cause or each.law is not None or not explains_the_same(each, one):
-            continue
-        if one.merit - each.merit < max(ODDS_NATS, _TIE * one.merit) and each.merit > CONVINCING_NATS:
-            near.append(each.cause)
-    return near
-
-
-def stage_of(found: Found, one: Candidate) -> Stage:
-    """The round in which a finding was taken."""
-    return next(stage for stage in found.stages if stage.taken is one)

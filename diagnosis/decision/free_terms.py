@@ -63,9 +63,9 @@ def beside_the_others(
     world = final.world.changed(added=(*kept, free.fit.world.added[-1]))
     values = {name: final.value(name) for one in others for name in one.free if name in world.space.place}
     values |= {one.begins: final.value(one.begins) for one in others if one.begins is not None}
-    names = tuple(
-        dict.fromkeys((*free.fit.free, *(name for one in others for name in one.free if name in values)))
-    )
+    # impacts that the findings made needless are none of it
+    own = [name for name in free.fit.free if name in world.space.place]
+    names = tuple(dict.fromkeys((*own, *(name for one in others for name in one.free if name in values))))
     start = world.space.with_values(carried_over(free.fit, world), values)
     fitted = fit(make_data(world, split), start, names, colour=final.colour)
     lost = float(score(final, split).gain(score(fitted, split)).sum())

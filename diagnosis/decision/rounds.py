@@ -42,6 +42,7 @@ from stillarm.diagnosis.search.carried import hinted, second_best
 from stillarm.diagnosis.search.comparison import LEFT_OUT, compared
 from stillarm.diagnosis.search.convincing import convinces, is_too_little, strays_beyond_stated
 from stillarm.diagnosis.search.refits import QUICK
+from stillarm.diagnosis.search.stated_baseline import dated_by_another_swing
 from stillarm.diagnosis.sensors.clocks import backward_steps
 from stillarm.diagnosis.sensors.laws import LawFound, laws
 
@@ -49,7 +50,6 @@ MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a
 _WHOLE = 3  # causes of the drive that are fitted to all channels
 _OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
 _OF_JOINT = ("start.", "drive.")  # quantities that the joint alone shows
-_OF_A_SWING = 0.25  # by which a delay is off, for another swing to fit nearly as well
 
 
 def explained(
@@ -98,14 +98,9 @@ def explained(
         if little and found.findings:  # a part of something without a name, which is told as left
             stage.taken = None
             break
-        told = not little or (
-            upstream and share_explained(stage.taken, found.final, split, JOINT_CHANNELS) >= EXPLAINED
-        )
         _take(stage, found, split)
         if (again := to_begin_again(found, split)) is not None:
             return again
-        if not told:  # what the most of it is has no name, whatever beside it has one
-            break
     return replace(found, findings=_largest_first(found.findings))
 
 
@@ -125,7 +120,7 @@ def _settled(one: Candidate, split: Split) -> Candidate:
     last = one.fit
     space, delay = last.world.space, "timing.capture_delay_s"
     starts = [last.vector]
-    if abs(last.value(delay) - space[delay].start) * last.value("modes.0.frequency_hz") > _OF_A_SWING:
+    if dated_by_another_swing(last):
         starts.append(space.with_values(last.vector, {delay: space[delay].start}))
     data = make_data(last.world, split)
     try:

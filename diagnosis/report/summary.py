@@ -1,7 +1,7 @@
 """The three sentences with which a report begins: what is wrong, how sure that is, what to do about it."""
 
 from stillarm.common.causes import CAUSES, experiment_between
-from stillarm.diagnosis.decision.decide import runner_up
+from stillarm.diagnosis.decision.rival_causes import runner_up
 from stillarm.diagnosis.forms.causes import CAUSES as SEARCHED
 from stillarm.diagnosis.report.residuals import UNITS, WORDS
 from stillarm.diagnosis.report.result import Result

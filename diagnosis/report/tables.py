@@ -7,7 +7,8 @@ import numpy as np
 from stillarm.common.causes import CAUSES, experiment_between
 from stillarm.common.causes.declaration import SEPARATES
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.decision.decide import Judged, class_of
+from stillarm.diagnosis.decision.decide import Judged
+from stillarm.diagnosis.decision.rival_causes import class_of
 from stillarm.diagnosis.fitting.fitted import Fit, least_level, make_data
 from stillarm.diagnosis.fitting.rest import Rest
 from stillarm.diagnosis.forms.cause import Values

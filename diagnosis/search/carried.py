@@ -40,8 +40,8 @@ def second_best(
 
 
 def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form], steps: int = TO_REST) -> Candidate | None:
-    """A form that was found beside another baseline, fitted from what it was there, in so many steps with all
-    derivatives at most; None where that is not possible here."""
+    """A form that was found beside another baseline, fitted from what it was there, its onset and its thresholds with
+    it, in so many steps with all derivatives at most; None where that is not possible here."""
     last, there = ground.last, hint.fit.world
     form = next((one for one in tried if (one.id, one.name) == (hint.cause, hint.form)), None)
     if form is None:
@@ -52,9 +52,10 @@ def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form], steps: int = 
         behind_encoder=there.behind_encoder,
         added=(*last.world.added, *terms),
     )
-    if not set(hint.free) <= set(world.space.place):
+    own = {*hint.free, *form.cause.settle, *([hint.begins] if hint.begins is not None else [])}
+    if not own <= set(world.space.place):
         return None
-    values = {name: hint.fit.value(name) for name in hint.free}
+    values = {name: hint.fit.value(name) for name in own}
     begun = Begun(form, world, world.space.with_values(carried_over(last, world), values))
     fitted = refitted(ground, begun)
     return None if fitted is None else candidate_of(ground, polished(ground, (begun, fitted), steps))

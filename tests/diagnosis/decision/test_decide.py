@@ -6,8 +6,6 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision import decide
@@ -15,9 +13,7 @@ from stillarm.diagnosis.decision.decide import (
     Judged,
     _left_to_explain,
     _odds_of_name,
-    class_of,
     judge,
-    runner_up,
     share_explained,
 )
 from stillarm.diagnosis.fitting.fitted import Fit
@@ -47,35 +43,6 @@ def _found(*merits: tuple[str, float]) -> Found:
     found = Found(cast(Fit, None), cast(Fit, None), [candidates[0]])
     found.stages.append(Stage([], candidates, candidates[0]))
     return found
-
-
-def test_a_rival_far_behind_is_told_apart() -> None:
-    found = _found(("drive_lag", 500.0), ("drive_dead_time", 400.0))
-    assert class_of(found, found.findings[0]) == []
-
-
-def test_a_rival_within_odds_of_twenty_to_one_is_of_the_class() -> None:
-    found = _found(("drive_lag", 50.0), ("drive_dead_time", 48.0))
-    assert class_of(found, found.findings[0]) == ["drive_dead_time"]
-
-
-def test_what_shows_in_another_channel_is_no_rival() -> None:
-    clock, mode = (
-        _candidate("clock_step", 300.0, "arrival"),
-        _candidate("second_bending_mode", 600.0, "acceleration"),
-    )
-    found = Found(cast(Fit, None), cast(Fit, None), [clock])
-    found.stages.append(Stage([], [mode, clock], clock))
-    assert class_of(found, clock) == []
-    assert runner_up(found, clock) is None
-
-
-@given(first=st.floats(20.0, 1e5), behind=st.floats(0.0, 1.0))
-def test_the_class_grows_as_the_odds_fall(first: float, behind: float) -> None:
-    found = _found(("drive_lag", first), ("drive_dead_time", first * (1.0 - behind)))
-    near = class_of(found, found.findings[0])
-    if first * behind > max(3.0, 0.02 * first) + 1e-9:
-        assert near == []
 
 
 def test_nothing_hidden_is_none(arm: Fit) -> None:
@@ -183,6 +150,16 @@ def test_what_others_explain_is_none_of_what_a_finding_lacks(arm: Fit) -> None:
     first = replace(_candidate("drive_deadband", 900.0, "joint_velocity"), fit=loud, nats=np.full(30, 30.0))
     assert share_explained(first, turned, SPLIT) < 0.5
     assert share_explained(first, turned, SPLIT, final=arm) > 0.9
+
+
+def test_what_another_finding_explains_in_the_same_channel_is_none_of_it_either(arm: Fit) -> None:
+    """A stiffness that grows told a part of the acceleration; what another cause told of it after that is not left."""
+    name = "acceleration"
+    before = with_rest(arm, name, 60.0 * arm.sigma[name])
+    part = with_rest(arm, name, 50.0 * arm.sigma[name])
+    first = replace(_candidate("cubic_stiffness", 900.0, name), fit=part, nats=np.full(30, 30.0))
+    assert share_explained(first, before, SPLIT) < 0.2
+    assert share_explained(first, before, SPLIT, final=arm) > 0.9
 
 
 @pytest.mark.parametrize(("left", "is_small"), [(0.45, True), (0.7, False)])

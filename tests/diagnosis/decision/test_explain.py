@@ -7,6 +7,7 @@ import pytest
 
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision import explain as search
+from stillarm.diagnosis.decision import rounds
 from stillarm.diagnosis.decision.beginning_again import likelier_baseline
 from stillarm.diagnosis.decision.explain import _moves_are_told, explain
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
@@ -52,6 +53,19 @@ def test_the_hidden_cause_comes_first(quantity: str, value: float, cause: str) -
     )
     assert found.findings[0].cause == cause
     assert found.final.value(quantity) == pytest.approx(value, rel=0.1) or found.findings[0].form
+
+
+@pytest.mark.slow
+def test_what_explains_little_does_not_keep_another_cause_from_being_sought(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Whether the first is a part of something without a name shows beside what else is found alone."""
+    monkeypatch.setattr(
+        rounds, "share_explained", lambda one, *_: 0.2 if one.cause == "cubic_stiffness" else 1.0
+    )
+    values = {"accelerometer.gravity_m_s2_per_rad": 5.0, "arm.cubic_per_m2": 10.0}
+    found = _explained(values, "gravity_leakage", "cubic_stiffness", "tracking_drift")
+    assert [one.cause for one in found.findings] == ["cubic_stiffness", "gravity_leakage"]
 
 
 @pytest.mark.slow

@@ -11,8 +11,9 @@ from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.forms.courses import imaged
 from stillarm.diagnosis.forms.freeform import Free, Group, groups
+from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.candidates import Candidate
-from tests.fixtures.synthetic import fitted, measured
+from tests.fixtures.synthetic import MODEL, fitted, measured
 
 SPLIT = interleaved(20.0)
 
@@ -66,6 +67,10 @@ def test_free_terms_in_the_place_of_one_of_two_causes_are_held_against_both() ->
     )
     bent = next(one for one in groups(()) if one.name == "image")
     assert merit(by_angle) == pytest.approx(first.merit, abs=6.0)
+    world = World(data, MODEL, (9000,))  # an impact that the findings make needless
+    struck = fit(make_data(world, SPLIT), world.space.vector(), world.baseline_names())
+    free = beside_the_others(as_free(struck, by_angle), first, [second], final, SPLIT)
+    assert free.merit == pytest.approx(first.merit, abs=6.0)
     assert merit(bent) < first.merit - 30.0
 
 

@@ -1,5 +1,8 @@
 """What convinced in a round beside the one that it took, refitted beside that one."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
@@ -33,6 +36,18 @@ def test_where_the_second_best_leave_something_all_forms_are_compared() -> None:
     found = explained({"accelerometer.gravity_m_s2_per_rad": 5.0, "arm.cubic_per_m2": 10.0} | hum)
     assert found.findings
     assert found.stages[1].screening
+
+
+@pytest.mark.slow
+def test_an_onset_is_carried_over() -> None:
+    """A clock that was set, beside a stiffness that grows, after which nothing else is left."""
+    data = measured(SECONDS, 5, {"arm.cubic_per_m2": 30.0})
+    late_s = np.where(data.frames.received_s > 11.0, 0.05, 0.0)
+    data = replace(data, frames=replace(data.frames, received_s=data.frames.received_s + late_s))
+    found = explain(fitted(data), interleaved(SECONDS), only=(*CAUSES, "clock_step"))
+    assert {one.cause for one in found.findings} == {"cubic_stiffness", "clock_step"}
+    assert found.final.value("timing.step_onset_s") == pytest.approx(11.0, abs=0.1)
+    assert found.final.value("timing.step_s") == pytest.approx(0.05, abs=0.005)
 
 
 def test_without_a_second_best_nothing_is_refitted() -> None:

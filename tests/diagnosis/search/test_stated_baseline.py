@@ -12,6 +12,7 @@ from tests.fixtures.synthetic import fitted, measured
 SECONDS = 10.0
 SPLIT = interleaved(SECONDS)
 HZ, DAMPING = "modes.0.frequency_hz", "modes.0.damping_ratio"
+SCALE, DELAY = "camera.scale_px_per_m", "timing.capture_delay_s"
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +41,35 @@ def test_a_baseline_has_left_the_stated_modes_where_no_model_is_as_wrong(
     assert (found is not None) == far
     if found is not None:
         assert found.value(HZ) == stated_hz and HZ not in found.free and "camera.offset_px" in found.free
+
+
+@pytest.mark.parametrize(
+    ("scale", "later_swings", "far"),
+    [(0.6, 0.2, False), (-0.6, 0.0, True), (1.0, -0.3, True), (1.0, 0.3, True)],
+)
+def test_a_baseline_has_left_the_stated_images_where_it_turns_them_over_or_dates_them_by_another_swing(
+    rubbing: Fit, scale: float, later_swings: float, far: bool
+) -> None:
+    space = rubbing.world.space
+    hz, stated_px, stated_s = (space[name].start for name in (HZ, SCALE, DELAY))
+    values = {HZ: hz, DAMPING: 0.01, SCALE: scale * stated_px, DELAY: stated_s + later_swings / hz}
+    found = stated_baseline(moved(rubbing, values), SPLIT)
+    assert (found is not None) == far
+    if found is not None:
+        assert found.value(SCALE) == stated_px and found.value(DELAY) == stated_s and HZ in found.free
+
+
+@pytest.mark.slow
+def test_a_tilt_is_found_beside_images_as_stated() -> None:
+    """A camera that turns with the joint so that the images show next to nothing of the bend: they are fitted with a
+    twelfth of the scale, and half a swing early."""
+    baseline = fitted(measured(SECONDS, 5, {"camera.rotation_px_per_rad": -1500.0}))
+    stated_px, stated_s = (baseline.world.space[name].start for name in (SCALE, DELAY))
+    assert abs(baseline.value(SCALE)) < 0.2 * stated_px and abs(baseline.value(DELAY) - stated_s) > 0.1
+    found = explain(baseline, SPLIT, only=("camera_tilt_coupling", "lens_distortion", "stale_frame_buffer"))
+    assert [one.cause for one in found.findings] == ["camera_tilt_coupling"]
+    assert found.final.value(SCALE) == pytest.approx(stated_px, rel=0.05)
+    assert found.final.value("camera.rotation_px_per_rad") == pytest.approx(-1500.0, rel=0.05)
 
 
 @pytest.mark.slow
