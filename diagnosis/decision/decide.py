@@ -143,12 +143,12 @@ def _odds_of_name(
     beyond = beside.merit if beside is not None and len(found.findings) == 1 else 0.0
     free = first.merit / max(first.merit + max(beyond, 0.0), 1e-9)
     ahead = (first.merit - (alone.merit if alone is not None else 0.0)) / max(first.merit, 1.0)
-    held = found.findings if alone is not None and alone.of_all else [first]
-    bends = any(is_of_free_form(one, fit_before(found, one)) for one in held)
+    # one law in the place of several names, and what bends as it will, are no formula that is not quite the true one
+    exact = (alone is not None and alone.of_all) or is_of_free_form(first, fit_before(found, first))
     doubts = (
         _SHARPNESS * (share - EXPLAINED),
         _SHARPNESS * (free - 0.5),
-        2.0 * _SHARPNESS * (ahead + (0.0 if bends else _RIVAL)),
+        2.0 * _SHARPNESS * (ahead + (0.0 if exact else _RIVAL)),
     )
     odds = _logistic(min((*doubts, _doubt_of_course(found, first, split))))
     if compared:

@@ -7,6 +7,7 @@ them.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,13 +28,22 @@ from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
 from stillarm.diagnosis.fitting.rest import anything_but_spikes_matters, rest_of
 from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
-from stillarm.diagnosis.search.candidates import EXPLAINED, Candidate, Found, Hint, Stage, beside_another
+from stillarm.diagnosis.search.candidates import (
+    EXPLAINED,
+    Candidate,
+    Found,
+    Hint,
+    Stage,
+    beside_another,
+    turns_the_joint,
+)
 from stillarm.diagnosis.search.convincing import convinces
 from stillarm.diagnosis.search.early_baseline import early_baseline
 from stillarm.diagnosis.search.stated_baseline import stated_baseline
 from stillarm.diagnosis.sensors.image_dating import dated_anew
 from stillarm.diagnosis.sensors.laws import LawFound
 
+_A_FEW = 3  # impacts, which may fall into one part of the recording by chance
 _ANOTHER_SHARE = 0.6  # of the time: a round beside the usual baseline may have to follow
 _Beginning = tuple[Found, list[Stage]]
 """Where a search begins, and the rounds that are made already."""
@@ -88,6 +98,8 @@ def _searched(
         told = explained(begun[0], split, tick, only, known, begun[1])
     else:
         told = explained(usual, split, tick, only, known, first=with_hint(first, usual, split))
+    if departs and told.likelier is None:
+        told = _beside_the_drive(told, split, tick, only, known)
     if told.likelier is None:
         return told
     return _searched(told.likelier, split, tick, only, known, told.hint)
@@ -179,16 +191,13 @@ def _without_doubtful_impacts(
     model that is wrong about moves is put right by an impact at each. None where it is not; and then what was found
     without them, which is to be tried beside them. hint: as in Found."""
     doubtful = impacts_while_moving(baseline)
-    if not doubtful or _moves_are_told(baseline, split, len(doubtful)):
+    if not doubtful or _moves_are_told(baseline, split, doubtful):
         return None, hint
-    fewer = without_impacts_while_moving(baseline)
     try:
-        start = carried_over(baseline, fewer)
-        names = free_names(baseline, fewer, ())
-        plain = fit(make_data(fewer, split), start, names, colour=baseline.colour)
+        plain = _refitted_without_them(baseline, split)
         found = Found(plain, plain, hint=hint)
         before = score(baseline, split)
-        many = len(doubtful) * (2 * fewer.modes + 2)  # numbers that the impacts took
+        many = _numbers_of(doubtful, baseline)
         if float(score(plain, split).gain(before).sum()) > -PRICE_NATS * many:
             return (found, []), hint
         with limited_to(_ANOTHER_SHARE):
@@ -203,12 +212,69 @@ def _without_doubtful_impacts(
     return (found, [stage]), hint
 
 
-def _moves_are_told(baseline: Fit, split: Split, doubtful: int) -> bool:
+def _refitted_without_them(last: Fit, split: Split) -> Fit:
+    """The same fit without the impacts that were found while the joint moved."""
+    fewer = without_impacts_while_moving(last)
+    names = free_names(last, fewer, ())
+    return fit(make_data(fewer, split), carried_over(last, fewer), names, colour=last.colour)
+
+
+def _numbers_of(impacts: Sequence[int], last: Fit) -> int:
+    """How many numbers a fit spends on so many impacts."""
+    return len(impacts) * (2 * last.world.modes + 2)
+
+
+def _beside_the_drive(
+    told: Found,
+    split: Split,
+    tick: Callable[[float, str], None],
+    only: Sequence[str] | None,
+    known: Sequence[LawFound],
+) -> Found:
+    """What was found of the drive, with what explains the arm beside that without the impacts that were found while the
+    joint moved, where that is likelier. The drive is sought beside all impacts; these may have made up for what else is
+    wrong about moves, so that nothing is left. As it was where it is not, or where more was found."""
+    last, doubtful = told.final, impacts_while_moving(told.final)
+    drive = [one for one in told.stages if one.taken is not None and one.taken.law is None]
+    if not drive or not all(one.taken is not None and turns_the_joint(one.taken.cause) for one in drive):
+        return told
+    if not doubtful or _moves_are_told(last, split, doubtful):
+        return told
+    try:
+        plain = _refitted_without_them(last, split)
+        found = replace(told, final=plain, findings=[*told.findings], stages=[*told.stages])
+        with limited_to(_ANOTHER_SHARE):
+            stage = beside_its_law(one_round(found, split, only, upstream=False), found, split)
+    except OutOfTime:
+        return told
+    if stage.taken is None:
+        return told
+    lead = float(score(stage.taken.fit, split).gain(score(last, split)).sum())
+    if lead < PRICE_NATS * (len(stage.taken.free) - _numbers_of(doubtful, last)):
+        return told
+    moved = drive[-1]
+    assert moved.taken is not None
+    moved = replace(moved, taken=replace(moved.taken, fit=plain))
+    begun = [*drive[:-1], moved, stage]
+    return explained(Found(told.baseline, told.baseline), split, tick, only, known, begun)
+
+
+def _moves_are_told(baseline: Fit, split: Split, doubtful: Sequence[int]) -> bool:
     """Whether the joint moved as told, and what shows all bends shows nothing amiss with an impact in the fewest of the
     moves: what is wrong is then wrong in another sensor, and no model of the moves."""
-    turning = baseline.world.measured.told_to_move
-    if 2 * doubtful > int(np.count_nonzero(np.diff(turning.astype(int)) > 0)):
+    if _most_moves_have_one(baseline, doubtful):
         return False
     told = {name: rest_of(baseline, name, split).immaterial for name in baseline.residuals}
     joint = [told[name] for name in JOINT_CHANNELS if name in told]
     return bool(joint) and all(joint) and any(told[name] for name in BEND_CHANNELS if name in told)
+
+
+def _most_moves_have_one(baseline: Fit, impacts: Sequence[int]) -> bool:
+    """Whether so many impacts suffice for most of the moves, of all or, where they are more than a few, of those from
+    the first of them to the last: what sets in on the way bends the moves since."""
+    turning = baseline.world.measured.told_to_move
+    if len(impacts) > _A_FEW:
+        turning = turning[: impacts[-1] + 1]
+        before = np.flatnonzero(~turning[: impacts[0]])  # from the rest before the first of them
+        turning = turning[before[-1] if len(before) else 0 :]
+    return 2 * len(impacts) > int(np.count_nonzero(np.diff(turning.astype(int)) > 0))

@@ -99,19 +99,20 @@ def test_free_terms_are_asked_where_nothing_matters(
     assert judge(found, SPLIT).verdict == ("named" if named else "none")
 
 
+@pytest.mark.parametrize("of_free_form", [True, False])
 @pytest.mark.parametrize(("merit", "verdict"), [(1420.0, "unexplained"), (1380.0, "named")])
 def test_free_terms_that_tell_as_much_as_two_names_take_the_place_of_both(
-    arm: Fit, merit: float, verdict: str, monkeypatch: pytest.MonkeyPatch
+    arm: Fit, merit: float, verdict: str, of_free_form: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """An accelerometer with an odd gain: clipping and a course of its sensitivity tell it no better than one bend.
-    merit: of free terms, where the names have 1400 together. Beside the second, they are worth nothing in the place of
-    the first."""
+    Likewise two formulas. merit: of free terms, where the names have 1400 together. Beside the second, they are worth
+    nothing in the place of the first."""
     course = Added(
         "gain", {"acceleration": np.ones((len(arm.residuals["acceleration"]), 1))}, 1.0, over_time=True
     )
     nats = np.full(30, 1000.0 / 30.0)
     first = replace(_candidate("accelerometer_clipping", 1000.0), fit=replace(arm), nats=nats)
-    follows = replace(arm, world=arm.world.changed(added=(course,)))
+    follows = replace(arm, world=arm.world.changed(added=(course,) if of_free_form else ()))
     second = replace(_candidate("accelerometer_sensitivity_drift", 400.0), fit=follows, nats=nats)
     bend = Free(cast(Group, None), merit, "acceleration", arm)
     monkeypatch.setattr(decide, "best_free", lambda last, *_: bend if last is arm else None)

@@ -209,8 +209,28 @@ def test_moves_are_told_where_the_joint_and_the_images_show_nothing_amiss(
     world = World(measured(SECONDS, 5, {"jump.1.0.v": 0.3} | hidden, struck), MODEL, struck)
     split = interleaved(SECONDS)
     baseline = fit(make_data(world, split), world.space.vector(), world.baseline_names())
-    assert _moves_are_told(baseline, split, len(struck)) == told
-    assert not _moves_are_told(baseline, split, 100)
+    assert _moves_are_told(baseline, split, struck) == told
+    assert not _moves_are_told(baseline, split, range(1000, 1100))
+    rising = np.flatnonzero(np.diff(baseline.world.measured.told_to_move.astype(int)) > 0)
+    in_a_row, spread = rising[4:8].tolist(), rising[[0, 3, 7, len(rising) - 1]].tolist()
+    assert not _moves_are_told(baseline, split, in_a_row)
+    assert _moves_are_told(baseline, split, spread) == told
+
+
+@pytest.mark.slow
+def test_impacts_that_made_up_for_the_arm_do_not_hide_it_behind_the_drive() -> None:
+    """A drive that waits longer, and an arm that stiffens as it bends, for which the baseline has an impact at most of
+    the moves: with those nothing is left beside the drive."""
+    hidden = {"drive.further_dead_time_s": 0.04, "arm.cubic_per_m2": 100.0}
+    split = interleaved(SECONDS)
+    world = moved_as_measured(World(measured(SECONDS, 5, hidden), MODEL), split)
+    turns = np.flatnonzero(np.diff(world.measured.told_to_move.astype(int))) + 60
+    struck = world.changed(impacts=tuple(turns.tolist()))
+    baseline = fit(make_data(struck, split), struck.space.vector(), struck.baseline_names())
+    found = explain(baseline, split, only=("drive_dead_time", "cubic_stiffness"))
+    assert {one.cause for one in found.findings} == {"drive_dead_time", "cubic_stiffness"}
+    assert found.final.value("arm.cubic_per_m2") == pytest.approx(100.0, rel=0.05)
+    assert len(found.final.world.impacts) < 3
 
 
 @pytest.mark.slow
