@@ -4,4 +4,4 @@ Not here: how a fit is made or scored (fitting), how forms are compared (search)
 Begin with run.py.
 """
 
-__all__ = ["budget", "decide", "explain", "run"]
+__all__ = ["budget", "decide", "explain", "rival_causes", "run"]
