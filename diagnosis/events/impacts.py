@@ -15,6 +15,7 @@ from stillarm.diagnosis.events.impact_doubt import doubts_about_modes, size_of_m
 from stillarm.diagnosis.events.jumps import find_jumps
 from stillarm.diagnosis.fitting.fit import colours, fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
+from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
@@ -126,8 +127,12 @@ def impacts_while_moving(last: Fit) -> list[int]:
 
 
 def _departs_at_rest(last: Fit, cycle: int, reach: int) -> bool:
-    """Whether an impact shows while the joint rests, and has rested for so many cycles."""
-    onset = departs_at(last, cycle)
+    """Whether an impact shows while the joint rests, and has rested for so many cycles; no where there is no time left
+    to tell."""
+    try:
+        onset = departs_at(last, cycle)
+    except OutOfTime:
+        return False
     return onset is not None and not last.world.measured.told_to_move[max(onset - reach, 0) : onset].any()
 
 

@@ -17,6 +17,7 @@ from stillarm.diagnosis.events.impacts import (
 )
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import carried_over, make_data
+from stillarm.diagnosis.physics.computing import limited
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, measured
 
@@ -121,6 +122,9 @@ def test_an_impact_that_shows_before_a_move_is_none_of_the_move(struck: bool) ->
     last = fit(make_data(world, interleaved(9.0)), world.space.vector(), world.baseline_names())
     assert not data.rests_about(there, round(1.0 / (last.value("modes.0.frequency_hz") * data.cycle_s)))
     assert impacts_while_moving(last) == ([] if struck else [there])
+    world.forget()
+    with limited(0.0, lambda: 1.0):  # no time is left to tell
+        assert impacts_while_moving(last) == [there]
 
 
 @pytest.mark.slow
