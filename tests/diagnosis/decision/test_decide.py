@@ -10,6 +10,7 @@ import pytest
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision import decide
 from stillarm.diagnosis.decision.decide import (
+    MOST_CONFIDENCE,
     Judged,
     _left_to_explain,
     _odds_of_name,
@@ -49,6 +50,18 @@ def test_nothing_hidden_is_none(arm: Fit) -> None:
     found = Found(arm, arm)
     judged = judge(found, SPLIT)
     assert judged.verdict == "none"
+
+
+def test_a_third_finding_is_hardly_sure(arm: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What two formulas leave that are not quite the true ones looks like a further cause."""
+    monkeypatch.setattr(decide, "_odds_of_name", lambda *_, **__: 1.0)
+    monkeypatch.setattr(decide, "_odds_beside", lambda *_: 1.0)
+    monkeypatch.setattr(decide, "best_free", lambda *_: None)
+    causes = ("cubic_stiffness", "tracking_drift", "drive_lag")
+    found = Found(arm, arm, [replace(_candidate(cause, 500.0), fit=arm) for cause in causes])
+    found.stages += [Stage([], [one], one) for one in found.findings]
+    first, second, third = judge(found, SPLIT).confidence.values()
+    assert first == second == MOST_CONFIDENCE and third <= 0.22
 
 
 def test_the_largest_rest_is_told_first() -> None:
