@@ -1,7 +1,6 @@
 """The verdict: what counts as explained, as left, and as told apart."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -22,7 +21,8 @@ from stillarm.diagnosis.fitting.rest import Rest, explainable
 from stillarm.diagnosis.forms.freeform import Free, Group
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.space import Added
-from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
+from stillarm.diagnosis.search.candidates import Found, Stage
+from tests.fixtures.candidates import bare_candidate
 from tests.fixtures.synthetic import fitted, measured, with_rest
 
 SPLIT = interleaved(20.0)
@@ -31,19 +31,6 @@ SPLIT = interleaved(20.0)
 @pytest.fixture(scope="module")
 def arm() -> Fit:
     return fitted(measured(20.0, 3))
-
-
-def _candidate(cause: str, merit: float, channel: str = "acceleration") -> Candidate:
-    nothing = np.zeros(30)
-    fit = cast(Fit, SimpleNamespace())
-    return Candidate(cause, fit, merit / 3.0, 1.0, {}, merit=merit, nats=nothing, gains={channel: merit})
-
-
-def _found(*merits: tuple[str, float]) -> Found:
-    candidates = [_candidate(cause, merit) for cause, merit in merits]
-    found = Found(cast(Fit, None), cast(Fit, None), [candidates[0]])
-    found.stages.append(Stage([], candidates, candidates[0]))
-    return found
 
 
 def test_nothing_hidden_is_none(arm: Fit) -> None:
@@ -58,7 +45,7 @@ def test_a_third_finding_is_hardly_sure(arm: Fit, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(decide, "_odds_beside", lambda *_: 1.0)
     monkeypatch.setattr(decide, "best_free", lambda *_: None)
     causes = ("cubic_stiffness", "tracking_drift", "drive_lag")
-    found = Found(arm, arm, [replace(_candidate(cause, 500.0), fit=arm) for cause in causes])
+    found = Found(arm, arm, [replace(bare_candidate(cause, 500.0), fit=arm) for cause in causes])
     found.stages += [Stage([], [one], one) for one in found.findings]
     first, second, third = judge(found, SPLIT).confidence.values()
     assert first == second == MOST_CONFIDENCE and third <= 0.22
@@ -82,7 +69,7 @@ def test_a_course_that_leaves_much_of_what_it_follows_is_no_name(arm: Fit, left:
     follows = replace(arm, world=arm.world.changed(added=(walk,)))
     before = with_rest(arm, "displacement", 10.0 * arm.sigma["displacement"])
     first = replace(
-        _candidate("tracking_drift", 500.0, "displacement"),
+        bare_candidate("tracking_drift", 500.0, "displacement"),
         fit=with_rest(follows, "displacement", left * arm.sigma["displacement"]),
         nats=np.full(30, 500.0 / 30.0),
     )
@@ -92,7 +79,7 @@ def test_a_course_that_leaves_much_of_what_it_follows_is_no_name(arm: Fit, left:
 
 def test_a_hopeless_name_has_no_odds(arm: Fit) -> None:
     """Free terms that gain a hundred times as much: the log odds go below what the exponential function can take."""
-    first = replace(_candidate("rotor_imbalance", 20.0), fit=replace(arm), nats=np.full(30, 20.0 / 30.0))
+    first = replace(bare_candidate("rotor_imbalance", 20.0), fit=replace(arm), nats=np.full(30, 20.0 / 30.0))
     alone = Free(cast(Group, None), 2000.0 * first.merit, "acceleration", arm)
     found = Found(arm, first.fit, [first])
     found.stages.append(Stage([], [first], first))
@@ -106,7 +93,7 @@ def test_free_terms_are_asked_where_nothing_matters(
     """A small departure that a name tells a little of, and a force that is not the same to both sides most."""
     even = Free(cast(Group, None), free_terms, "acceleration", arm)
     monkeypatch.setattr(decide, "best_free", lambda last, *rest: even if last is arm and free_terms else None)
-    first = replace(_candidate("rotor_imbalance", 20.0), fit=replace(arm), nats=np.full(30, 20.0 / 30.0))
+    first = replace(bare_candidate("rotor_imbalance", 20.0), fit=replace(arm), nats=np.full(30, 20.0 / 30.0))
     found = Found(arm, first.fit, [first])
     found.stages.append(Stage([], [first], first))
     assert judge(found, SPLIT).verdict == ("named" if named else "none")
@@ -124,9 +111,9 @@ def test_free_terms_that_tell_as_much_as_two_names_take_the_place_of_both(
         "gain", {"acceleration": np.ones((len(arm.residuals["acceleration"]), 1))}, 1.0, over_time=True
     )
     nats = np.full(30, 1000.0 / 30.0)
-    first = replace(_candidate("accelerometer_clipping", 1000.0), fit=replace(arm), nats=nats)
+    first = replace(bare_candidate("accelerometer_clipping", 1000.0), fit=replace(arm), nats=nats)
     follows = replace(arm, world=arm.world.changed(added=(course,) if of_free_form else ()))
-    second = replace(_candidate("accelerometer_sensitivity_drift", 400.0), fit=follows, nats=nats)
+    second = replace(bare_candidate("accelerometer_sensitivity_drift", 400.0), fit=follows, nats=nats)
     bend = Free(cast(Group, None), merit, "acceleration", arm)
     monkeypatch.setattr(decide, "best_free", lambda last, *_: bend if last is arm else None)
     monkeypatch.setattr(decide, "beside_the_others", lambda *_: replace(bend, merit=0.0))
@@ -144,7 +131,7 @@ def test_without_time_for_free_terms_a_name_has_to_explain_most(
     def no_time(*_: object) -> None:
         raise OutOfTime
 
-    first = replace(_candidate("cubic_stiffness", 500.0), fit=arm)
+    first = replace(bare_candidate("cubic_stiffness", 500.0), fit=arm)
     found = Found(arm, arm, [first])
     found.stages.append(Stage([], [first], first))
     monkeypatch.setattr(decide, "best_free", no_time)
@@ -161,7 +148,9 @@ def test_what_others_explain_is_none_of_what_a_finding_lacks(arm: Fit) -> None:
     loud = with_rest(arm, one, 50.0 * arm.sigma[one])
     turned = with_rest(loud, "joint_velocity", 5.0 * arm.sigma["joint_velocity"])
     turned = replace(turned, world=arm.world.changed(joint_hz=5.0))
-    first = replace(_candidate("drive_deadband", 900.0, "joint_velocity"), fit=loud, nats=np.full(30, 30.0))
+    first = replace(
+        bare_candidate("drive_deadband", 900.0, "joint_velocity"), fit=loud, nats=np.full(30, 30.0)
+    )
     assert share_explained(first, turned, SPLIT) < 0.5
     assert share_explained(first, turned, SPLIT, final=arm) > 0.9
 
@@ -171,7 +160,7 @@ def test_what_another_finding_explains_in_the_same_channel_is_none_of_it_either(
     name = "acceleration"
     before = with_rest(arm, name, 60.0 * arm.sigma[name])
     part = with_rest(arm, name, 50.0 * arm.sigma[name])
-    first = replace(_candidate("cubic_stiffness", 900.0, name), fit=part, nats=np.full(30, 30.0))
+    first = replace(bare_candidate("cubic_stiffness", 900.0, name), fit=part, nats=np.full(30, 30.0))
     assert share_explained(first, before, SPLIT) < 0.2
     assert share_explained(first, before, SPLIT, final=arm) > 0.9
 

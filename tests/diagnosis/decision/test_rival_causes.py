@@ -1,10 +1,8 @@
 """Which causes a finding is told apart from."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import cast
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,19 +12,14 @@ from stillarm.diagnosis.decision.rival_causes import beside_what_followed, class
 from stillarm.diagnosis.fitting.evidence import score
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
+from tests.fixtures.candidates import bare_candidate
 from tests.fixtures.synthetic import fitted, measured
 
 SPLIT = interleaved(20.0)
 
 
-def _candidate(cause: str, merit: float, channel: str = "acceleration") -> Candidate:
-    nothing = np.zeros(30)
-    fit = cast(Fit, SimpleNamespace())
-    return Candidate(cause, fit, merit / 3.0, 1.0, {}, merit=merit, nats=nothing, gains={channel: merit})
-
-
 def _found(*merits: tuple[str, float]) -> Found:
-    candidates = [_candidate(cause, merit) for cause, merit in merits]
+    candidates = [bare_candidate(cause, merit) for cause, merit in merits]
     found = Found(cast(Fit, None), cast(Fit, None), [candidates[0]])
     found.stages.append(Stage([], candidates, candidates[0]))
     return found
@@ -44,8 +37,8 @@ def test_a_rival_within_odds_of_twenty_to_one_is_of_the_class() -> None:
 
 def test_what_shows_in_another_channel_is_no_rival() -> None:
     clock, mode = (
-        _candidate("clock_step", 300.0, "arrival"),
-        _candidate("second_bending_mode", 600.0, "acceleration"),
+        bare_candidate("clock_step", 300.0, "arrival"),
+        bare_candidate("second_bending_mode", 600.0, "acceleration"),
     )
     found = Found(cast(Fit, None), cast(Fit, None), [clock])
     found.stages.append(Stage([], [mode, clock], clock))
