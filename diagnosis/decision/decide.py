@@ -9,7 +9,13 @@ from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.free_terms import beside_the_others, best_free
-from stillarm.diagnosis.decision.rival_causes import ODDS_NATS, beside_what_followed, class_of, runner_up
+from stillarm.diagnosis.decision.rival_causes import (
+    ODDS_NATS,
+    beside_what_followed,
+    changes_structure,
+    class_of,
+    runner_up,
+)
 from stillarm.diagnosis.decision.rival_laws import rival_law
 from stillarm.diagnosis.fitting.evidence import score
 from stillarm.diagnosis.fitting.fitted import Fit
@@ -94,9 +100,9 @@ def judge(found: Found, split: Split) -> Judged:
             # whatever a perfect model would gain: where nothing matters, it is not told how much that is
             if first is not None and first.law is None:
                 alone = _alone(found, first, own, (beside.group,) if beside else (), split)
-        beside_what_followed(found, split)
     except OutOfTime:
         left_out.append("structure without a name")
+    beside_what_followed(found, split)
     if first is None:
         verdict = "unexplained" if material else "none"
         return Judged(verdict, rests, beside, alone, {}, tuple(left_out))
@@ -118,18 +124,17 @@ def _alone(
     all: a sensor that bends in one way is then told by two causes, each of which bends in another."""
     best = best_free(fit_before(found, first), split, own, others)
     further = [one for one in found.findings if one is not first and one.law is None]
-    if best is None or not further or best.merit < first.merit or _changes_structure(first, found.baseline):
+    if (
+        best is None
+        or not further
+        or best.merit < first.merit
+        or changes_structure(first.fit, found.baseline)
+    ):
         return best
     lead = best.merit - sum(one.merit for one in (first, *further))
     if lead >= 0.0:
         return replace(best, merit=first.merit + lead, of_all=True)
     return beside_the_others(best, first, further, found.final, split)
-
-
-def _changes_structure(one: Candidate, before: Fit) -> bool:
-    """Whether a finding has modes of its own, or another kind of play: no vector of the world before holds the rest."""
-    now, then = one.fit.world, before.world
-    return now.extra_modes != then.extra_modes or now.behind_encoder != then.behind_encoder
 
 
 def _odds_of_name(
@@ -186,11 +191,9 @@ def _logistic(log_odds: float) -> float:
     return 0.5 * (1.0 + tanh(0.5 * log_odds))  # 1 / (1 + exp(-x)), which overflows below -709
 
 
-def share_explained(
-    one: Candidate, before: Fit, split: Split, only: Sequence[str] | None = None, final: Fit | None = None
-) -> float:
+def share_explained(one: Candidate, before: Fit, split: Split, final: Fit | None = None) -> float:
     """What a finding gains, of the nats that a perfect model would gain where it was taken. 1 for a law: it is judged
-    by its own channel. before: the fit that it was taken on; only: by these channels; final: of all findings, what
+    by its own channel. before: the fit that it was taken on; final: of all findings, what
     other ones explain being none of what it lacks.
 
     What goes wrong in a sensor or a drive shows in its own channels alone, and is judged there, if nothing larger is
@@ -200,8 +203,8 @@ def share_explained(
         return 1.0
     gains = score(one.fit, split).gains(score(before, split))
     left = _left_to_explain(final or one.fit, before, gains, split)
-    own = _own_channels(one, before) if only is None else tuple(name for name in only if name in left)
-    if own and (only is not None or _largest_there(before, final or one.fit, own, split)):
+    own = _own_channels(one, before)
+    if own and _largest_there(before, final or one.fit, own, split):
         gained = sum(gains[name] for name in own)
         return max(gained, 0.0) / max(gained + sum(left[name] for name in own), 1e-9)
     gained = float(one.nats.sum())

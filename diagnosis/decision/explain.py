@@ -14,6 +14,7 @@ import numpy as np
 from stillarm.diagnosis.data.channels import BEND_CHANNELS, JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import share_explained
+from stillarm.diagnosis.decision.rival_causes import stage_of
 from stillarm.diagnosis.decision.rounds import (
     beside_its_law,
     explained,
@@ -22,7 +23,7 @@ from stillarm.diagnosis.decision.rounds import (
     with_hint,
 )
 from stillarm.diagnosis.events.impacts import impacts_while_moving, without_impacts_while_moving
-from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
+from stillarm.diagnosis.fitting.evidence import PRICE_NATS, Score, score
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
@@ -196,20 +197,28 @@ def _without_doubtful_impacts(
     try:
         plain = _refitted_without_them(baseline, split)
         found = Found(plain, plain, hint=hint)
-        before = score(baseline, split)
-        many = _numbers_of(doubtful, baseline)
-        if float(score(plain, split).gain(before).sum()) > -PRICE_NATS * many:
+        before, spared = score(baseline, split), _price_of(doubtful, baseline)
+        if float(score(plain, split).gain(before).sum()) > -spared:
             return (found, []), hint
-        with limited_to(_ANOTHER_SHARE):
-            stage = beside_its_law(one_round(found, split, only, upstream=False), found, split)
+        stage, likelier = _round_without_them(found, before, spared, split, only)
     except OutOfTime:
         return None, hint
     if stage.taken is None:
         return None, hint
+    return ((found, [stage]), hint) if likelier else (None, Hint(plain, stage))
+
+
+def _round_without_them(
+    found: Found, before: Score, spared: float, split: Split, only: Sequence[str] | None
+) -> tuple[Stage, bool]:
+    """A round without the impacts that were found while the joint moved, its law aside, and whether the recording is
+    likelier so than with them. before: the score with them; spared: their price. Raises OutOfTime."""
+    with limited_to(_ANOTHER_SHARE):
+        stage = beside_its_law(one_round(found, split, only, upstream=False), found, split)
+    if stage.taken is None:
+        return stage, False
     lead = float(score(stage.taken.fit, split).gain(before).sum())
-    if lead < PRICE_NATS * (len(stage.taken.free) - many):
-        return None, Hint(plain, stage)
-    return (found, [stage]), hint
+    return stage, lead >= PRICE_NATS * len(stage.taken.free) - spared
 
 
 def _refitted_without_them(last: Fit, split: Split) -> Fit:
@@ -219,9 +228,9 @@ def _refitted_without_them(last: Fit, split: Split) -> Fit:
     return fit(make_data(fewer, split), carried_over(last, fewer), names, colour=last.colour)
 
 
-def _numbers_of(impacts: Sequence[int], last: Fit) -> int:
-    """How many numbers a fit spends on so many impacts."""
-    return len(impacts) * (2 * last.world.modes + 2)
+def _price_of(impacts: Sequence[int], last: Fit) -> float:
+    """Nats that the numbers cost which a fit spends on so many impacts."""
+    return PRICE_NATS * len(impacts) * (2 * last.world.modes + 2)
 
 
 def _beside_the_drive(
@@ -234,29 +243,23 @@ def _beside_the_drive(
     """What was found of the drive, with what explains the arm beside that without the impacts that were found while the
     joint moved, where that is likelier. The drive is sought beside all impacts; these may have made up for what else is
     wrong about moves, so that nothing is left. As it was where it is not, or where more was found."""
-    last, doubtful = told.final, impacts_while_moving(told.final)
-    drive = [one for one in told.stages if one.taken is not None and one.taken.law is None]
-    if not drive or not all(one.taken is not None and turns_the_joint(one.taken.cause) for one in drive):
+    last, taken = told.final, told.taken
+    if not taken or not all(turns_the_joint(one.cause) for one in taken):
         return told
+    doubtful = impacts_while_moving(last)
     if not doubtful or _moves_are_told(last, split, doubtful):
         return told
     try:
         plain = _refitted_without_them(last, split)
-        found = replace(told, final=plain, findings=[*told.findings], stages=[*told.stages])
-        with limited_to(_ANOTHER_SHARE):
-            stage = beside_its_law(one_round(found, split, only, upstream=False), found, split)
+        before, spared = score(last, split), _price_of(doubtful, last)
+        stage, likelier = _round_without_them(replace(told, final=plain), before, spared, split, only)
     except OutOfTime:
         return told
-    if stage.taken is None:
+    if not likelier:
         return told
-    lead = float(score(stage.taken.fit, split).gain(score(last, split)).sum())
-    if lead < PRICE_NATS * (len(stage.taken.free) - _numbers_of(doubtful, last)):
-        return told
-    moved = drive[-1]
-    assert moved.taken is not None
-    moved = replace(moved, taken=replace(moved.taken, fit=plain))
-    begun = [*drive[:-1], moved, stage]
-    return explained(Found(told.baseline, told.baseline), split, tick, only, known, begun)
+    begun = [stage_of(told, one) for one in taken]
+    begun[-1] = replace(begun[-1], taken=replace(taken[-1], fit=plain))
+    return explained(Found(told.baseline, told.baseline), split, tick, only, known, [*begun, stage])
 
 
 def _moves_are_told(baseline: Fit, split: Split, doubtful: Sequence[int]) -> bool:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.decision.rival_causes import lost_in_place_of
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, PRICE_NATS, foretold, score
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
@@ -59,17 +60,8 @@ def beside_the_others(
     """Free terms in the place of a finding, beside what was found after it: what both leave is then told by the same. A
     group that tells a little of everything is else worth more than the first of two causes. merit: as many nats off the
     finding's as the recording is told worse so. others: found beside it; final: the fit of all."""
-    kept = final.world.added[len(first.fit.world.added) :]
-    world = final.world.changed(added=(*kept, free.fit.world.added[-1]))
-    values = {name: final.value(name) for one in others for name in one.free if name in world.space.place}
-    values |= {one.begins: final.value(one.begins) for one in others if one.begins is not None}
-    # impacts that the findings made needless are none of it
-    own = [name for name in free.fit.free if name in world.space.place]
-    names = tuple(dict.fromkeys((*own, *(name for one in others for name in one.free if name in values))))
-    start = world.space.with_values(carried_over(free.fit, world), values)
-    fitted = fit(make_data(world, split), start, names, colour=final.colour)
-    lost = float(score(final, split).gain(score(fitted, split)).sum())
-    spared = PRICE_NATS * (len(first.free) - len(world.added[-1].amounts))
+    lost = lost_in_place_of(first, free.fit, others, final, split)
+    spared = PRICE_NATS * (len(first.free) - len(free.fit.world.added[-1].amounts))
     return replace(free, merit=first.merit - lost + spared)
 
 

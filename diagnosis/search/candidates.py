@@ -88,6 +88,12 @@ class Found:
     hint: Hint | None = None
     """What was found beside another baseline: it is fitted before any other form, as that one's time is spent."""
 
+    @property
+    def taken(self) -> list[Candidate]:
+        """What the rounds took, laws aside, in their order."""
+        taken = [stage.taken for stage in self.stages if stage.taken is not None]
+        return [one for one in taken if one.law is None]
+
 
 def of_law(last: Fit, law: LawFound) -> Candidate:
     """A law of noise or timing as a candidate: each block is judged by what the others say already."""

@@ -11,6 +11,7 @@ from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.rival_causes import beside_what_followed, class_of, runner_up
 from stillarm.diagnosis.fitting.evidence import score
 from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.physics.computing import limited
 from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
 from tests.fixtures.candidates import bare_candidate
 from tests.fixtures.synthetic import fitted, measured
@@ -68,6 +69,10 @@ def test_rivals_are_held_against_a_finding_beside_what_was_found_after_it() -> N
     second = _taken("camera_tilt_coupling", final, first.fit, turns)
     found = Found(base, final, [first, second])
     found.stages += [Stage([], [first, same, turned], first), Stage([], [second], second)]
+    assert class_of(found, first) == ["lens_distortion", "camera_tilt_coupling"]
+
+    with limited(0.0, lambda: 1.0):  # without time they stay as they were
+        beside_what_followed(found, SPLIT)
     assert class_of(found, first) == ["lens_distortion", "camera_tilt_coupling"]
 
     beside_what_followed(found, SPLIT)
