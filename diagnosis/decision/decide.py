@@ -35,7 +35,7 @@ from stillarm.diagnosis.search.candidates import (
     shows_most,
     turns_the_joint,
 )
-from stillarm.diagnosis.search.convincing import is_course, is_of_free_form
+from stillarm.diagnosis.search.convincing import is_course, is_of_free_form, rings_with_a_mode
 
 MOST_CONFIDENCE = 0.9
 """However large the odds: of 59 names that the odds alone put above 0.9 in recordings of another simulator, 54 were
@@ -55,9 +55,10 @@ itself has beyond what suffices (EXPLAINED)."""
 _CHANNEL_OF = {"accelerometer": "acceleration", "camera": "displacement"}
 _SHARPNESS = 10.0  # of the change from one verdict to the other
 _OF_LAWS = 0.97  # a law of noise or timing is seen in its own channel
-_COURSE_LEAVES = 0.3
+_FOLLOWER_LEAVES = 0.3
 """Of what matters in the channel that it follows, as an rms, the most that a course over time leaves: one that goes
-where it will, and yet leaves more, follows something else. Knots leave a tenth of a random walk, and less of a jump."""
+where it will, and yet leaves more, follows something else. Knots leave a tenth of a random walk, and less of a jump.
+The same of a force at the frequency of a mode: whatever moves the arm, most of that lies there."""
 _RIVAL = 0.05  # of a finding's nats: free terms are no better by less, as no formula is quite the true one
 
 
@@ -160,23 +161,23 @@ def _odds_of_name(
         _SHARPNESS * (free - 0.5),
         2.0 * _SHARPNESS * (ahead + (0.0 if exact else _RIVAL)),
     )
-    odds = _logistic(min((*doubts, _doubt_of_course(found, first, split))))
+    odds = _logistic(min((*doubts, _doubt_of_follower(found, first, split))))
     if compared:
         return odds
     return min(odds, _UNCOMPARED if share > _TOLD_UNCOMPARED else 1.0 - _UNCOMPARED)
 
 
-def _doubt_of_course(found: Found, first: Candidate, split: Split) -> float:
-    """Log odds of a course over time by what all findings leave in the channel that it follows; no doubt of any other
-    finding, and where what is left does not matter."""
-    if not is_course(first, found.baseline):
+def _doubt_of_follower(found: Found, first: Candidate, split: Split) -> float:
+    """Log odds of a course over time, or of a force at a mode's frequency, by what all findings leave in the channel
+    that it follows; no doubt of any other finding, and where what is left does not matter."""
+    if not (is_course(first, found.baseline) or rings_with_a_mode(first)):
         return inf
     (channel,) = shows_most(first)
     left = times_what_matters(found.final, channel, split)
     if left < 1.0:
         return inf
     before = times_what_matters(found.baseline, channel, split)
-    return 2.0 * _SHARPNESS * (_COURSE_LEAVES - left / max(before, 1e-9))
+    return 2.0 * _SHARPNESS * (_FOLLOWER_LEAVES - left / max(before, 1e-9))
 
 
 def _odds_beside(found: Found, one: Candidate, split: Split) -> float:

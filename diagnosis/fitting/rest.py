@@ -80,9 +80,18 @@ def rest_of(last: Fit, name: str, split: Split) -> Rest:
 def _beyond_noise(last: Fit, name: str, split: Split) -> tuple[float, float]:
     """The rms of what a fit leaves in a channel beyond its noise, and that noise."""
     residual = last.residuals[name]
-    known = residual[np.isfinite(residual)]
+    known = residual[np.isfinite(residual) & ~_walked(last, name, split)]
     noise = noise_of(last, name, split)
     return sqrt(max(float(np.mean(known**2)) - noise**2, 0.0)) if len(known) else 0.0, noise
+
+
+def _walked(last: Fit, name: str, split: Split) -> NDArray[np.bool_]:
+    """Samples of a channel that are held out from a random walk, (samples,). Nobody foretells where it goes: that the
+    fit does not know says nothing of what else is left."""
+    residual = last.residuals[name]
+    if not any(added.walks and name in added.columns for added in last.world.added):
+        return np.zeros(len(residual), bool)
+    return np.asarray(split.held[split.blocks_of(last.world.times_of(name)[: len(residual)])])
 
 
 def _band(residual: Array, step_s: float) -> tuple[float, float]:

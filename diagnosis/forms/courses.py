@@ -90,11 +90,9 @@ def of_walk(
 
     def added(fit: Fit) -> tuple[Added, ...]:
         walk = walk_of(fit)
-        return (
-            ()
-            if walk is None
-            else (Added(group, {channel: walk_over(fit, channel)}, walk.step, over_time=True),)
-        )
+        if walk is None:
+            return ()
+        return (Added(group, {channel: walk_over(fit, channel)}, walk.step, over_time=True, walks=True),)
 
     def nats(last: Fit) -> float:
         walk = walk_of(last)

@@ -88,6 +88,7 @@ def groups(peaks_hz: Iterable[float]) -> list[Group]:
         Group("reading", "an accelerometer whose reading is no straight line", _bent_reading),
         Group("image", "an image whose displacement is no straight line", _bent_image),
         Group("scale", "an image scale that changes over time", _scale_over_time, over_time=True),
+        Group("scale_bends", "an image scale that drifts", _scale_that_bends, over_time=True),
         Group("scale_wanders", "an image scale that wanders", _scale_that_wanders, _WANDER, True),
         Group("turning", "an accelerometer that senses the joint's speed", _turning),
         DRIVE,
@@ -267,6 +268,17 @@ def _scale_over_time(fit: Fit) -> dict[str, Array]:
     frames = fit.world.measured.frames
     course = hats(frames.received_s, np.linspace(0.0, fit.world.measured.duration_s, _PIECES))
     return {"displacement": course * _unit(shown - fit.value("camera.offset_px"))[:, None]}
+
+
+def _scale_that_bends(fit: Fit) -> dict[str, Array]:
+    """A straight line and a bend: what sets in and grows is near to that, and two numbers foretell more than seven
+    where the arm swings now and then."""
+    shown = fit.predicted.channels.get("displacement")
+    if shown is None:
+        return {}
+    at = 2.0 * fit.world.measured.frames.received_s / fit.world.measured.duration_s - 1.0
+    course = np.stack([at, 1.5 * at**2 - 0.5], axis=1)  # Legendre's
+    return {"displacement": course * (shown - fit.value("camera.offset_px"))[:, None]}
 
 
 def _scale_that_wanders(fit: Fit) -> dict[str, Array]:

@@ -75,13 +75,15 @@ class Space:
 @dataclass(frozen=True, eq=False)
 class Added:
     """One group of terms. columns: by channel, (samples, amounts). prior_std: of each amount. over_time: a course, of
-    which samples tell what lies between them alone. hz: of waves, if they are."""
+    which samples tell what lies between them alone; walks: one that a law found to be the whole of what was left. hz:
+    of waves, if they are."""
 
     name: str
     columns: Mapping[str, Array]
     prior_std: float
     over_time: bool = False
     hz: float = 0.0
+    walks: bool = False
 
     @property
     def amounts(self) -> tuple[str, ...]:

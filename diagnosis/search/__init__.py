@@ -13,6 +13,8 @@ __all__ = [
     "early_baseline",
     "refits",
     "screen",
+    "starts",
     "stated_baseline",
+    "walks",
     "whitened",
 ]

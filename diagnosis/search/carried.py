@@ -47,9 +47,10 @@ def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form], steps: int = 
     if form is None:
         return None
     terms = form.added(last) if form.added is not None else ()
+    # what was taken since may have given the arm a mode, or play behind the encoder, that the hint's world lacks
     world = last.world.changed(
-        extra_modes=there.extra_modes,
-        behind_encoder=there.behind_encoder,
+        extra_modes=max(last.world.extra_modes, there.extra_modes),
+        behind_encoder=last.world.behind_encoder or there.behind_encoder,
         added=(*last.world.added, *terms),
     )
     own = {*hint.free, *form.cause.settle, *([hint.begins] if hint.begins is not None else [])}

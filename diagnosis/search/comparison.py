@@ -4,7 +4,7 @@ The baseline's derivatives are those of the fit so far (the chord method): a fur
 alone, and costs a tenth. The best few are polished with all derivatives.
 """
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -12,20 +12,17 @@ from typing import TypeVar
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
-from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
+from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.fitting.gains import gain_of
 from stillarm.diagnosis.fitting.rest import anything_but_spikes_matters
-from stillarm.diagnosis.forms import delay_walk, sensor_walk
 from stillarm.diagnosis.forms.catalogue import from_an_onset
 from stillarm.diagnosis.forms.cause import Form
 from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
 from stillarm.diagnosis.physics.copies import shared_out
-from stillarm.diagnosis.physics.space import Added
 from stillarm.diagnosis.search.begun import Begun, Ground, Pair, ground_of
 from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, beside_another
 from stillarm.diagnosis.search.carried import hinted
-from stillarm.diagnosis.search.convincing import is_course
-from stillarm.diagnosis.search.onsets import sized, with_onset
+from stillarm.diagnosis.search.onsets import with_onset
 from stillarm.diagnosis.search.refits import (
     FROM_AFAR,
     LOOK,
@@ -36,36 +33,18 @@ from stillarm.diagnosis.search.refits import (
     throughout,
     to_the_end,
 )
-from stillarm.diagnosis.search.screen import Scored, screen
+from stillarm.diagnosis.search.screen import Scored
+from stillarm.diagnosis.search.starts import begun_fits
+from stillarm.diagnosis.search.walks import walks_judged
 from stillarm.diagnosis.search.whitened import Whitened
 
 _Item = TypeVar("_Item")
 _Key = TypeVar("_Key")
 _POLISHED = 3  # causes
-_WALKS: tuple[tuple[Form, str, Callable[[Fit, Fit], bool]], ...] = (
-    (
-        sensor_walk.IMAGE_WALK,
-        sensor_walk.IMAGES,
-        partial(sensor_walk.is_foretold, channel=sensor_walk.IMAGES),
-    ),
-    (sensor_walk.BIAS_WALK, sensor_walk.BIAS, partial(sensor_walk.is_foretold, channel=sensor_walk.BIAS)),
-    (delay_walk.FORM, "arrival", delay_walk.is_foretold),
-)
-"""Each with the channel in which it walks, and with whether another fit foretells what it follows."""
-_RIVALS = 5  # candidates that a walk is held against
 _WITH_ONSET = 4  # causes that an onset is tried for
 LEFT_OUT = "some forms of causes"
 
-SCREENED_NATS = 8.0
-"""Below this promise of a score test no fit is begun."""
-
-_STARTS, _MOST_STARTS = 2, 8  # by their scores; with those that the data ask for
 _GO_ON = 2  # of a form's starts afar: one for each of two processors
-_PROMISING = 0.02  # of the best score: what promises less says more in a later round
-_LATER, _PROMISING_LATER = 5, 0.1  # causes begun from an onset at once, at most; as above, of those
-_SECOND = 0.5
-"""Of the best trial's score, below which no fit is begun from another trial of the same form; of the best of those that
-the data ask for, from another one of these."""
 _WORTH_A_FIT = 0.1
 """Of the best form's gain: a quick fit is nearly at its end; a later round says more of the rest."""
 _QUICK_SHARE, _ENDED_SHARE, _ONSET_SHARE = 0.5, 0.6, 0.5
@@ -85,9 +64,10 @@ class _Promise:
 
 
 def compared(
-    last: Fit, tried: Sequence[Form], split: Split, found: Found
+    last: Fit, allowed: Sequence[Form], split: Split, found: Found
 ) -> tuple[list[Scored], list[Candidate]]:
     """Each form refitted on top of a fit, and what it is worth; the best first."""
+    tried = allowed
     candidates: list[Candidate] = []
     screening: list[Scored] = []
     try:
@@ -122,7 +102,8 @@ def compared(
         found.left_out.append(LEFT_OUT)
     for one in candidates:
         one.fit.world.forget()
-    return screening, _without_needless_walks(sorted(candidates, key=lambda one: -one.merit), last)
+    by_merit = sorted(candidates, key=lambda one: -one.merit)
+    return screening, walks_judged(by_merit, last, allowed, split)
 
 
 def _says_which_are_near(hint: Hint, here: Candidate, split: Split) -> bool:
@@ -141,21 +122,6 @@ def _near_there(ground: Ground, hint: Hint, tried: Sequence[Form]) -> tuple[Sequ
     far = [one for one in hint.stage.candidates if one.cause not in near and one.law is None]
     there = score(hint.baseline, ground.split)
     return [one for one in tried if one.id in near], beside_another(far, there, ground.score)
-
-
-def _without_needless_walks(by_merit: Sequence[Candidate], last: Fit) -> list[Candidate]:
-    """Candidates without a walk of the images, of a bias or of the delay, if one of those that tell most in its channel
-    foretells these as well, whatever else is hidden that gains more elsewhere; of the same cause one that takes no
-    course of its own, such as a drift with the path travelled."""
-    needless = set()
-    for form, channel, is_foretold in _WALKS:
-        others = [one for one in by_merit if one.form != form.name and one.merit > PRICE_NATS]
-        others.sort(key=lambda one: -one.gains.get(channel, 0.0))
-        rivals = [one.fit for one in others[:_RIVALS] if one.cause != form.id or not is_course(one, last)]
-        walks = any(one.form == form.name and one.cause == form.id for one in by_merit)
-        if walks and any(is_foretold(last, rival) for rival in rivals):
-            needless.add((form.id, form.name))
-    return [one for one in by_merit if (one.cause, one.form) not in needless]
 
 
 def _known(begun: Sequence[Begun], last: Fit) -> list[object]:
@@ -225,66 +191,6 @@ def _first_of_each_cause(pairs: Sequence[Pair]) -> dict[str, Pair]:
     for pair in pairs:
         first.setdefault(pair[0].form.id, pair)
     return first
-
-
-def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], list[Scored]]:
-    """Where fits begin: the best trials of each form by a score test, and those that the data ask for."""
-    last = white.last
-    by_cause = {id(one.cause): one for one in tried}
-    later = {id(one.cause): from_an_onset(one) for one in tried if one.added is None}
-    causes = [one.cause for one in tried if one.added is None]
-    screening = screen(white, causes, lambda cause: later[id(cause)] is not None)
-    begun: list[Begun] = []
-    to_size: list[tuple[Form, Scored]] = []
-    count: dict[int, int] = defaultdict(int)
-    best: dict[int, float] = {}
-    best_asked: dict[int, float] = {}
-    top = max((one.nats for one in screening), default=0.0)
-
-    for one in screening:
-        form = later[id(one.cause)]
-        if one.begins_s is not None and form is not None:
-            enough = len({each.id for each, _ in to_size} | {form.id}) > _LATER
-            if one.nats > max(SCREENED_NATS, _PROMISING_LATER * top) and not enough:
-                to_size.append((form, one))
-            continue
-        least = max(SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
-        if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
-            continue
-        # from where they begin each step works out all derivatives anew: of those, what is half as good is not tried
-        if one.trial.asked and one.nats < _SECOND * best_asked.setdefault(id(one.cause), one.nats):
-            continue
-        best.setdefault(id(one.cause), one.nats)
-        count[id(one.cause)] += 1
-        if count[id(one.cause)] > _MOST_STARTS:
-            continue
-        form = by_cause[id(one.cause)]
-        begun.append(Begun(form, one.world, one.start, one.trial.asked, _share_of(top, one)))
-    for further, terms in _terms_of(last, tried):
-        if terms:
-            world = last.world.changed(added=(*last.world.added, *terms))
-            begun.append(Begun(further, world, carried_over(last, world)))
-
-    def sets_in(item: tuple[Form, Scored]) -> Begun:
-        form, one = item
-        return Begun(form, one.world, sized(white, one, form), promised=_share_of(top, one))
-
-    known = [part for form, one in to_size for part in (form, one.world)]
-    return [*begun, *shared_out(sets_in, to_size, known)], screening
-
-
-def _terms_of(last: Fit, tried: Sequence[Form]) -> list[tuple[Form, tuple[Added, ...]]]:
-    """The forms that need terms of their own, in order, each with these. What a law says of a fit is remembered by
-    this process, which works it out."""
-    further = [(one, one.added) for one in tried if one.added is not None]
-    others = [added for one, added in further if one.nats_of is None]
-    of_others = iter(shared_out(lambda added: added(last), others))
-    return [(one, next(of_others) if one.nats_of is None else added(last)) for one, added in further]
-
-
-def _share_of(top: float, one: Scored) -> float:
-    """What a trial promises, over the most that any does."""
-    return one.nats / max(top, SCREENED_NATS)
 
 
 def _quick_fits(

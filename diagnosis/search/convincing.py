@@ -89,10 +89,10 @@ def _is_of_an_event(one: Candidate) -> bool:
 
 
 def _is_in_every_arm(one: Candidate) -> bool:
-    return one.cause == ALWAYS_THERE or _rings_with_a_mode(one)
+    return one.cause == ALWAYS_THERE or rings_with_a_mode(one)
 
 
-def _rings_with_a_mode(one: Candidate) -> bool:
+def rings_with_a_mode(one: Candidate) -> bool:
     """Whether a force that a cause puts on the arm has the frequency of one of its modes, or of an overtone: the
     resonance makes every small error of the model look like that, such as a damping that wanders; a stiffness that is
     not quite the same to both sides, or grows a little, makes overtones."""

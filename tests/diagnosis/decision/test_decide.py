@@ -18,6 +18,7 @@ from stillarm.diagnosis.decision.decide import (
 )
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.rest import Rest, explainable
+from stillarm.diagnosis.forms.force_terms import own_frequencies_hz
 from stillarm.diagnosis.forms.freeform import Free, Group
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.space import Added
@@ -72,6 +73,26 @@ def test_a_course_that_leaves_much_of_what_it_follows_is_no_name(arm: Fit, left:
         bare_candidate("tracking_drift", 500.0, "displacement"),
         fit=with_rest(follows, "displacement", left * arm.sigma["displacement"]),
         nats=np.full(30, 500.0 / 30.0),
+    )
+    found = Found(before, first.fit, [first])
+    assert (_odds_of_name(found, first, SPLIT, None, None) > 0.5) is named
+
+
+@pytest.mark.parametrize(
+    ("times_the_mode", "left", "named"),
+    [(1.0, 1.0, True), (1.0, 5.0, False), (2.0, 5.0, False), (1.4, 5.0, True)],
+)
+def test_a_force_at_a_mode_s_frequency_that_leaves_much_of_what_it_follows_is_no_name(
+    arm: Fit, times_the_mode: float, left: float, named: bool
+) -> None:
+    """left: of the images' noise, where they strayed by ten times that. Gusts ring the arm at its own frequency too."""
+    first_hz = own_frequencies_hz(arm)[0]
+    before = with_rest(arm, "displacement", 10.0 * arm.sigma["displacement"])
+    first = replace(
+        bare_candidate("periodic_disturbance", 500.0, "displacement"),
+        fit=with_rest(arm, "displacement", left * arm.sigma["displacement"]),
+        nats=np.full(30, 500.0 / 30.0),
+        values={"frequency_hz": (times_the_mode * first_hz, 0.001)},
     )
     found = Found(before, first.fit, [first])
     assert (_odds_of_name(found, first, SPLIT, None, None) > 0.5) is named

@@ -15,6 +15,7 @@ from stillarm.diagnosis.fitting.rest import (
     rest_of,
     times_what_matters,
 )
+from stillarm.diagnosis.physics.space import Added
 from tests.fixtures.synthetic import NOISE, fitted, measured
 
 SPLIT = interleaved(20.0)
@@ -53,6 +54,22 @@ def test_a_rest_is_told_in_times_what_matters(arm: Fit) -> None:
         3.0 * noise / np.sqrt(2.0) / matters, rel=0.15
     )
     assert times_what_matters(arm, name, SPLIT) < 1.0
+
+
+@pytest.mark.parametrize(("walks", "immaterial"), [(True, True), (False, False)])
+def test_where_a_walk_went_while_it_was_held_out_is_no_rest(arm: Fit, walks: bool, immaterial: bool) -> None:
+    """Nobody foretells that; of any other course it tells how well it is known."""
+    name, time = "displacement", arm.world.times_of("displacement")
+    held = SPLIT.held[SPLIT.blocks_of(time)]
+    strayed = np.where(held, 5.0 * noise_of(arm, name, SPLIT), 0.0)
+    course = Added("strayed", {name: time[:, None]}, 1.0, over_time=True, walks=walks)
+    world = arm.world.changed(added=(course,))
+    walked = replace(
+        arm,
+        world=world,
+        residuals={**arm.residuals, name: arm.residuals[name] + strayed[: len(arm.residuals[name])]},
+    )
+    assert rest_of(walked, name, SPLIT).immaterial is immaterial
 
 
 def test_lone_spikes_are_nothing_that_a_model_could_explain(arm: Fit) -> None:

@@ -19,9 +19,9 @@ from stillarm.diagnosis.physics.declared_effects import quantity_of
 from stillarm.diagnosis.physics.quantities import MOST_DOWN, MOST_UP
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.begun import ground_of
-from stillarm.diagnosis.search.comparison import begun_fits
 from stillarm.diagnosis.search.refits import refitted
 from stillarm.diagnosis.search.screen import variant
+from stillarm.diagnosis.search.starts import begun_fits
 from stillarm.diagnosis.search.whitened import Whitened
 from tests.fixtures.synthetic import MODEL, fitted, measured
 

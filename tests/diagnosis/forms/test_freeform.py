@@ -17,6 +17,7 @@ ONLY = {
     "turning": {"acceleration"},
     "image": {"displacement"},
     "scale": {"displacement"},
+    "scale_bends": {"displacement"},
     "scale_wanders": {"displacement"},
 }
 
@@ -41,7 +42,7 @@ def named(name: str) -> Group:
 
 
 def test_each_group_has_a_name_of_its_own() -> None:
-    assert len({one.name for one in ALL}) == len(ALL) == 13 + 2 * len(PEAKS)
+    assert len({one.name for one in ALL}) == len(ALL) == 14 + 2 * len(PEAKS)
     assert len({one.words for one in ALL}) == len(ALL)
 
 
@@ -200,3 +201,15 @@ def test_a_channel_that_was_not_measured_has_no_structure(plain: Fit) -> None:
     assert named("turning").added(blind) is None
     found = named("position").added(blind)
     assert found is not None and set(found.columns) == {"displacement"}
+
+
+def test_an_image_scale_that_drifts_along_a_line_is_told_by_two_numbers(plain: Fit) -> None:
+    """Beside the scale itself, which the baseline has."""
+    columns = named("scale_bends").columns(plain)["displacement"]
+    swing = plain.predicted.channels["displacement"] - plain.value("camera.offset_px")
+    drifts = plain.world.measured.frames.received_s * swing
+    told = np.concatenate([columns, swing[:, None]], axis=1)
+    assert columns.shape[1] == 2
+    assert np.linalg.lstsq(told, drifts, rcond=None)[1] == pytest.approx(
+        0.0, abs=1e-9 * float(drifts @ drifts)
+    )

@@ -7,7 +7,13 @@ import pytest
 
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import explain
-from stillarm.diagnosis.search.candidates import Found
+from stillarm.diagnosis.fitting.fit import fit
+from stillarm.diagnosis.fitting.fitted import carried_over, make_data
+from stillarm.diagnosis.forms.catalogue import forms
+from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.search import carried
+from stillarm.diagnosis.search.begun import ground_of
+from stillarm.diagnosis.search.candidates import Candidate, Found
 from stillarm.diagnosis.search.carried import second_best
 from tests.fixtures.synthetic import fitted, measured
 
@@ -52,3 +58,18 @@ def test_an_onset_is_carried_over() -> None:
 
 def test_without_a_second_best_nothing_is_refitted() -> None:
     assert second_best(fitted(measured(2.0, 5)), [], (), interleaved(2.0)) == []
+
+
+@pytest.mark.parametrize(("extra_modes", "behind_encoder"), [(1, False), (0, True)])
+def test_what_was_taken_keeps_its_structure(
+    extra_modes: int, behind_encoder: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A mode of the arm, and play behind the encoder, that a rival's world did not have when it was fitted."""
+    plain = fitted(measured(4.0, 5))
+    world = plain.world.changed(extra_modes=extra_modes, behind_encoder=behind_encoder)
+    last = fit(make_data(world, interleaved(4.0)), carried_over(plain, world), plain.free, iterations=0)
+    hint = Candidate("cubic_stiffness", plain, 0.0, 1.0, {}, free=("arm.cubic_per_m2",))
+    begun_in: list[World] = []
+    monkeypatch.setattr(carried, "refitted", lambda ground, begun: begun_in.append(begun.world))
+    carried.hinted(ground_of(last, interleaved(4.0)), hint, forms(last.world))
+    assert [(one.extra_modes, one.behind_encoder) for one in begun_in] == [(extra_modes, behind_encoder)]

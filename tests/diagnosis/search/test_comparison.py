@@ -1,6 +1,5 @@
 """Which forms a round goes on with. What a round takes in the end: tests/diagnosis/decision/test_explain.py."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -9,15 +8,13 @@ import pytest
 
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.fitting.fitted import Fit
-from stillarm.diagnosis.forms.catalogue import forms
 from stillarm.diagnosis.forms.cause import Form
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search import comparison
 from stillarm.diagnosis.search.begun import Begun, Pair
 from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, Stage
-from stillarm.diagnosis.search.comparison import best_of_each, compared
+from stillarm.diagnosis.search.comparison import best_of_each
 from stillarm.diagnosis.search.refits import FROM_AFAR, LOOK
-from tests.fixtures.synthetic import fitted, measured
 
 
 def begun(cause: str, name: str = "", added: bool = False) -> Begun:
@@ -135,40 +132,3 @@ def test_of_several_starts_afar_the_best_two_go_on_from_where_they_are(
     whole = [(at, FROM_AFAR) for at in (5.0, 6.0, 7.0, 0.5, 1.5)]
     assert fitted_from == [*looks, *whole]
     assert [one.begun.form for one, _ in quick[7:]] == [payload, payload]
-
-
-def test_a_walk_is_held_against_what_tells_of_its_channel_however_little_that_is(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """A clock that was set foretells the arrivals, beside a drift of a sensor that is told in ten ways."""
-    walk = comparison.delay_walk.FORM
-    monkeypatch.setattr(comparison, "_WALKS", ((walk, "arrival", lambda _, fit: fit.vector is not None),))
-    nothing = cast(Fit, SimpleNamespace(vector=None))
-    step = replace(nothing_but("clock_step", "arrival", 300.0), fit=cast(Fit, SimpleNamespace(vector=1)))
-    louder = [replace(nothing_but(f"cause {i}", "acceleration", 5000.0), fit=nothing) for i in range(10)]
-    wanders = replace(nothing_but(walk.id, "arrival", 390.0), form=walk.name)
-    by_merit = [*louder, wanders, step]
-    assert comparison._without_needless_walks(by_merit, nothing) == [*louder, step]
-    assert comparison._without_needless_walks([*louder, wanders], nothing) == [*louder, wanders]
-
-
-def nothing_but(cause: str, channel: str, merit: float) -> Candidate:
-    """A candidate that tells something in one channel."""
-    return Candidate(cause, cast(Fit, SimpleNamespace()), 0.0, 0.0, {}, merit=merit, gains={channel: merit})
-
-
-@pytest.mark.slow
-def test_tracking_that_strays_with_the_path_is_no_random_walk() -> None:
-    """A walk goes anywhere; one number that foretells where it went is the better account, with its size."""
-    data, split = measured(20.0, 1), interleaved(20.0)
-    plain = fitted(data)
-    seen = plain.predicted.channels["displacement"]
-    strayed = 2e-4 * np.cumsum(np.abs(np.diff(seen, prepend=seen[0])))
-    frames = replace(data.frames, displacement_px=data.frames.displacement_px + strayed)
-    last = fitted(replace(data, frames=frames))
-    drift = [one for one in forms(last.world) if one.id == "tracking_drift"]
-    _, candidates = compared(last, drift, split, Found(last, last))
-    assert candidates[0].form == "with the path travelled"
-    assert "as a random walk" not in {one.form for one in candidates}
-    rate, _ = candidates[0].values["rate_px_per_s"]
-    assert rate == pytest.approx(strayed[-1] / 20.0, rel=0.1)
