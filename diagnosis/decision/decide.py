@@ -184,7 +184,7 @@ def _odds_beside(found: Found, one: Candidate, split: Split) -> float:
     """The same of a finding beside the first, of what that left."""
     if one.law is not None:
         return _OF_LAWS
-    share = share_explained(one, fit_before(found, one), split, final=found.final)
+    share = share_explained(one, fit_before(found, one), split, final=found.final, beside=True)
     return _logistic(_SHARPNESS * (share - EXPLAINED))
 
 
@@ -192,20 +192,23 @@ def _logistic(log_odds: float) -> float:
     return 0.5 * (1.0 + tanh(0.5 * log_odds))  # 1 / (1 + exp(-x)), which overflows below -709
 
 
-def share_explained(one: Candidate, before: Fit, split: Split, final: Fit | None = None) -> float:
+def share_explained(
+    one: Candidate, before: Fit, split: Split, final: Fit | None = None, beside: bool = False
+) -> float:
     """What a finding gains, of the nats that a perfect model would gain where it was taken. 1 for a law: it is judged
     by its own channel. before: the fit that it was taken on; final: of all findings, what
-    other ones explain being none of what it lacks.
+    other ones explain being none of what it lacks. beside: one that tells of the largest departure.
 
     What goes wrong in a sensor or a drive shows in its own channels alone, and is judged there, if nothing larger is
-    left elsewhere; a finding of timing by all channels; any other by all but the arrivals.
+    left elsewhere, or that has its name already; a finding of timing by all channels, or by the images' beside another;
+    any other by all but the arrivals.
     """
     if one.law is not None:
         return 1.0
     gains = score(one.fit, split).gains(score(before, split))
     left = _left_to_explain(final or one.fit, before, gains, split)
-    own = _own_channels(one, before)
-    if own and _largest_there(before, final or one.fit, own, split):
+    own = _own_channels(one, before, beside)
+    if own and (beside or _largest_there(before, final or one.fit, own, split)):
         gained = sum(gains[name] for name in own)
         return max(gained, 0.0) / max(gained + sum(left[name] for name in own), 1e-9)
     gained = float(one.nats.sum())
@@ -226,9 +229,11 @@ def _left_to_explain(after: Fit, before: Fit, gains: Mapping[str, float], split:
     return left
 
 
-def _own_channels(one: Candidate, before: Fit) -> tuple[str, ...]:
+def _own_channels(one: Candidate, before: Fit, beside: bool) -> tuple[str, ...]:
     """The measured channels in which alone a finding shows: its sensor's; the joint's, where the arm is moved by the
-    joint as it was measured, whatever moved that."""
+    joint as it was measured, whatever moved that; the images', of one of timing beside another."""
+    if beside and _place(one) == "timing":
+        return tuple(name for name in ("displacement", "arrival") if name in before.residuals)
     if turns_the_joint(one.cause) and before.world.joint_hz > 0.0:
         return tuple(name for name in JOINT_CHANNELS if name in before.residuals)
     own = _CHANNEL_OF.get(_place(one))

@@ -92,11 +92,9 @@ def explained(
         except OutOfTime:
             found.left_out.append(LEFT_OUT)
             break
+        if found.findings:
+            _telling_enough(stage, found, split)
         if stage.taken is None:
-            break
-        little = share_explained(stage.taken, found.final, split) < EXPLAINED
-        if little and found.findings:  # a part of something without a name, which is told as left
-            stage.taken = None
             break
         _take(stage, found, split)
         if (again := to_begin_again(found, split)) is not None:
@@ -239,6 +237,18 @@ def _taken_of(stage: Stage, found: Found, split: Split) -> Stage:
         ranked = [foretold if one is chosen else one for one in ranked]
         chosen = foretold
     return Stage(stage.screening, ranked, chosen)
+
+
+def _telling_enough(stage: Stage, found: Found, split: Split) -> None:
+    """Beside what was found, take the best that tells enough of its channels, if any does: what does not is a part of
+    something without a name, which is told as left, and hides nothing that goes wrong elsewhere."""
+    little: list[Candidate] = []
+    now = stage
+    while now.taken is not None and share_explained(now.taken, found.final, split, beside=True) < EXPLAINED:
+        little.append(now.taken)
+        others = [one for one in now.candidates if one is not now.taken]
+        now = _taken_of(Stage(stage.screening, others, None), found, split)
+    stage.candidates, stage.taken = sorted([*now.candidates, *little], key=lambda one: -one.merit), now.taken
 
 
 def _best_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:

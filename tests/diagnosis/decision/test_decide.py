@@ -176,6 +176,16 @@ def test_what_others_explain_is_none_of_what_a_finding_lacks(arm: Fit) -> None:
     assert share_explained(first, turned, SPLIT, final=arm) > 0.9
 
 
+def test_beside_another_finding_a_clock_is_judged_by_the_images_alone(arm: Fit) -> None:
+    """What the accelerometer departs by is the other's, or has no name: no clock could tell it."""
+    name = "acceleration"
+    loud = with_rest(arm, name, 50.0 * arm.sigma[name])
+    late = with_rest(loud, "arrival", 5.0 * arm.sigma["arrival"])
+    clock = replace(bare_candidate("clock_step", 900.0, "arrival"), fit=loud, nats=np.full(30, 30.0))
+    assert share_explained(clock, late, SPLIT) < 0.5
+    assert share_explained(clock, late, SPLIT, beside=True) > 0.9
+
+
 def test_what_another_finding_explains_in_the_same_channel_is_none_of_it_either(arm: Fit) -> None:
     """A stiffness that grows told a part of the acceleration; what another cause told of it after that is not left."""
     name = "acceleration"

@@ -61,7 +61,7 @@ def test_what_explains_little_does_not_keep_another_cause_from_being_sought(
 ) -> None:
     """Whether the first is a part of something without a name shows beside what else is found alone."""
     monkeypatch.setattr(
-        rounds, "share_explained", lambda one, *_: 0.2 if one.cause == "cubic_stiffness" else 1.0
+        rounds, "share_explained", lambda one, *_, **__: 0.2 if one.cause == "cubic_stiffness" else 1.0
     )
     values = {"accelerometer.gravity_m_s2_per_rad": 5.0, "arm.cubic_per_m2": 10.0}
     found = _explained(values, "gravity_leakage", "cubic_stiffness", "tracking_drift")

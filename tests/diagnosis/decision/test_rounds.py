@@ -1,5 +1,6 @@
 """Which form stands for a cause in a round of the search. What a round takes: test_explain.py."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -13,7 +14,7 @@ from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.fitting.gains import free_names
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.baseline import moved_as_measured
-from stillarm.diagnosis.search.candidates import Candidate
+from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
 from tests.fixtures.synthetic import MODEL, measured
 
 LAST = cast(Fit, SimpleNamespace())
@@ -44,6 +45,35 @@ def test_the_best_form_that_convinces_stands_for_its_cause(
     ]
     best = rounds._best_that_convinces(tried, LAST, interleaved(20.0), beside=False)
     assert [(one.cause, one.form) for one in best] == expected
+
+
+@pytest.mark.parametrize(
+    ("little", "taken"),
+    [
+        (set(), "gravity_leakage"),
+        ({"gravity_leakage"}, "clock_step"),
+        ({"gravity_leakage", "clock_step"}, None),
+    ],
+)
+def test_what_tells_little_hides_nothing_that_goes_wrong_elsewhere(
+    little: set[str], taken: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A part of a bias that walks, which leads, and a clock that was set."""
+    monkeypatch.setattr(rounds, "convinces", lambda one, *_: one.cause != "mains_hum")
+    monkeypatch.setattr(rounds, "share_explained", lambda one, *_, **__: 0.1 if one.cause in little else 0.9)
+    tried = [
+        replace(candidate(cause, "", merit), gains={channel: merit})
+        for cause, channel, merit in (
+            ("gravity_leakage", "acceleration", 109.0),
+            ("clock_step", "arrival", 64.0),
+            ("mains_hum", "acceleration", 9.0),
+        )
+    ]
+    found = Found(LAST, LAST, [candidate("accelerometer_bias_drift", "", 5000.0)])
+    stage = Stage([], list(tried), tried[0])
+    rounds._telling_enough(stage, found, interleaved(20.0))
+    assert (stage.taken.cause if stage.taken is not None else None) == taken
+    assert stage.candidates == tried
 
 
 @pytest.mark.parametrize(
