@@ -49,6 +49,8 @@ from stillarm.diagnosis.sensors.laws import LawFound, laws
 MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a look at every form
 _WHOLE = 3  # causes of the drive that are fitted to all channels
 _OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
+_SENSORS = (("camera", "timing"), ("accelerometer",))  # places whose causes show in the same channels
+_DWARFED = 0.5  # of the merit of what a round took: what gains less was not in its reach (comparison.py)
 _OF_JOINT = ("start.", "drive.")  # quantities that the joint alone shows
 
 
@@ -162,8 +164,9 @@ def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: 
             allowed = [one for one in allowed if one.id in judged_again]
         if allowed:
             candidates = _second_best(found, allowed, split)
-            if all(anything_but_spikes_matters(one.fit, split) for one in candidates):
-                screening, compared_now = compared(last, allowed, split, found)
+            anew = _to_compare(candidates, allowed, found, split)
+            if anew:
+                screening, compared_now = compared(last, anew, split, found)
                 candidates += compared_now
         try:
             known = laws(make_data(last.world, split), last, found.laws)
@@ -184,6 +187,22 @@ def _second_best(found: Found, allowed: Sequence[Form], split: Split) -> list[Ca
     named = {one.id for one in allowed}
     others = [one for one in _convincing_before(found, split) if one.cause in named]
     return second_best(found.final, others, allowed, split)
+
+
+def _to_compare(
+    carried: Sequence[Candidate], allowed: Sequence[Form], found: Found, split: Split
+) -> Sequence[Form]:
+    """The forms that are compared anew beside the second best of a round: all, where each of those leaves something
+    that matters. None otherwise, but for those of the same sensor as one that the round's first dwarfed: what gains far
+    less than that is not fitted to its end, so that a rival as good may not have been seen."""
+    enough = [one for one in carried if not anything_but_spikes_matters(one.fit, split)]
+    if not enough:
+        return allowed
+    best, taken = max(enough, key=lambda one: one.merit), found.stages[-1].taken
+    side = next((places for places in _SENSORS if DECLARED[best.cause].place in places), ())
+    if taken is None or best.merit > _DWARFED * taken.merit:
+        return []
+    return [one for one in allowed if DECLARED[one.id].place in side]
 
 
 def with_hint(stage: Stage | None, found: Found, split: Split) -> Stage | None:

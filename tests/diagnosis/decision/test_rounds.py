@@ -12,6 +12,7 @@ from stillarm.diagnosis.decision import rounds
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.fitting.gains import free_names
+from stillarm.diagnosis.forms.cause import Form
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.baseline import moved_as_measured
 from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
@@ -45,6 +46,30 @@ def test_the_best_form_that_convinces_stands_for_its_cause(
     ]
     best = rounds._best_that_convinces(tried, LAST, interleaved(20.0), beside=False)
     assert [(one.cause, one.form) for one in best] == expected
+
+
+@pytest.mark.parametrize(
+    ("merit", "enough", "compared"),
+    [
+        (100.0, True, ["camera_clock_skew", "tracking_drift"]),
+        (900.0, True, []),
+        (100.0, False, ["camera_clock_skew", "tracking_drift", "mains_hum"]),
+    ],
+)
+def test_what_the_first_dwarfed_is_held_against_others_of_its_sensor(
+    merit: float, enough: bool, compared: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stale frames that explain the rest beside a mode of 1000 nats: a clock that gained less was never fitted to its
+    end."""
+    monkeypatch.setattr(rounds, "anything_but_spikes_matters", lambda *_: not enough)
+    mode = candidate("second_bending_mode", "", 1000.0)
+    found = Found(LAST, LAST, [mode], [Stage([], [mode], mode)])
+    allowed = [
+        cast(Form, SimpleNamespace(id=cause))
+        for cause in ("camera_clock_skew", "tracking_drift", "mains_hum")
+    ]
+    anew = rounds._to_compare([candidate("stale_frame_buffer", "", merit)], allowed, found, interleaved(20.0))
+    assert [one.id for one in anew] == compared
 
 
 @pytest.mark.parametrize(
