@@ -40,7 +40,7 @@ from stillarm.diagnosis.search.candidates import (
 )
 from stillarm.diagnosis.search.carried import hinted, second_best
 from stillarm.diagnosis.search.comparison import LEFT_OUT, compared
-from stillarm.diagnosis.search.convincing import convinces, is_too_little, strays_beyond_stated
+from stillarm.diagnosis.search.convincing import convinces, is_too_little
 from stillarm.diagnosis.search.refits import QUICK
 from stillarm.diagnosis.search.stated_baseline import dated_by_another_swing
 from stillarm.diagnosis.sensors.clocks import backward_steps
@@ -157,10 +157,9 @@ def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: 
         screening, candidates = [], []
         if found.findings and not anything_but_spikes_matters(last, split):
             judged_again = _convincing_elsewhere(found, split)
-            # arrivals that step change nothing that matters, and a round of the drive alone does not look at them; nor
-            # does a drift, which a law of wander takes
-            if _drive_alone_looked_at(found) or _arrivals_stray(last):
-                judged_again |= {one.id for one in allowed if DECLARED[one.id].place == "timing"}
+            # what was found may have taken over what a sensor does, or been so large that nobody looked at that
+            sensors = [place for places in _SENSORS for place in places]
+            judged_again |= {one.id for one in allowed if DECLARED[one.id].place in sensors}
             allowed = [one for one in allowed if one.id in judged_again]
         if allowed:
             candidates = _second_best(found, allowed, split)
@@ -193,10 +192,11 @@ def _to_compare(
     carried: Sequence[Candidate], allowed: Sequence[Form], found: Found, split: Split
 ) -> Sequence[Form]:
     """The forms that are compared anew beside the second best of a round: all, where each of those leaves something
-    that matters. None otherwise, but for those of the same sensor as one that the round's first dwarfed: what gains far
+    that matters, or nothing was left that does. None otherwise, but for those of the same sensor as one that the
+    round's first dwarfed: what gains far
     less than that is not fitted to its end, so that a rival as good may not have been seen."""
     enough = [one for one in carried if not anything_but_spikes_matters(one.fit, split)]
-    if not enough:
+    if not enough or not anything_but_spikes_matters(found.final, split):
         return allowed
     best, taken = max(enough, key=lambda one: one.merit), found.stages[-1].taken
     side = next((places for places in _SENSORS if DECLARED[best.cause].place in places), ())
@@ -296,12 +296,6 @@ def _best_that_convinces(
 def _drive_alone_looked_at(found: Found) -> bool:
     """Whether no round has looked at other causes than the drive's."""
     return all(turns_the_joint(one.cause.id) for stage in found.stages for one in stage.screening)
-
-
-def _arrivals_stray(last: Fit) -> bool:
-    """Whether images come more irregularly than the model states."""
-    arrivals = last.channel("arrival")
-    return arrivals is not None and strays_beyond_stated(arrivals.off, last)
 
 
 def _convincing_elsewhere(found: Found, split: Split) -> set[str]:

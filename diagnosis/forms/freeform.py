@@ -86,6 +86,7 @@ def groups(peaks_hz: Iterable[float]) -> list[Group]:
         Group("joint", "a force that depends on the joint's place and speed", lambda fit: _force(fit, _of_joint(fit))),
         Group("wander", "a stiffness or damping that changes over time", _changing, over_time=True),
         Group("reading", "an accelerometer whose reading is no straight line", _bent_reading),
+        Group("reading_curves", "an accelerometer whose gain changes with what it reads", _curved_reading),
         Group("image", "an image whose displacement is no straight line", _bent_image),
         Group("scale", "an image scale that changes over time", _scale_over_time, over_time=True),
         Group("scale_bends", "an image scale that drifts", _scale_that_bends, over_time=True),
@@ -252,6 +253,15 @@ def _bent_reading(fit: Fit) -> dict[str, Array]:
     if shown is None:
         return {}
     return {"acceleration": pieces_over(shown)}
+
+
+def _curved_reading(fit: Fit) -> dict[str, Array]:
+    """Its square and its cube: two numbers for a gain that changes smoothly, even or odd, up to the largest reading."""
+    shown = fit.predicted.channels.get("acceleration")
+    if shown is None:
+        return {}
+    about = shown / (float(np.max(np.abs(shown))) or 1.0)
+    return {"acceleration": np.stack([about**2, about**3], axis=1)}
 
 
 def _bent_image(fit: Fit) -> dict[str, Array]:

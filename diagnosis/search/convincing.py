@@ -42,7 +42,8 @@ _NEAR_A_MODE = 0.1
 
 def convinces(one: Candidate, last: Fit, split: Split, beside: bool) -> bool:
     """Whether a candidate is more than chance and more than a model's usual discrepancy, and within its bounds.
-    beside: a finding there is already: what does not matter beside it is told as left. Nor is a form that may set in
+    beside: a finding there is already: what does not matter beside it is told as left, unless that took over what
+    matters by itself. Nor is a form that may set in
     at any instant named where it does not matter: with a model that is a little off, one of many does."""
     if one.merit < CONVINCING_NATS or not _within_bounds(one):
         return False
@@ -51,7 +52,9 @@ def convinces(one: Candidate, last: Fit, split: Split, beside: bool) -> bool:
     if float(one.nats[split.held].sum()) < FORETOLD_NATS or _is_of_an_event(one):
         return False
     if beside or _is_anyhow(one, last):
-        return size_in_noise(last, one.fit, split) > MATTERS_OF_NOISE
+        if size_in_noise(last, one.fit, split) > MATTERS_OF_NOISE:
+            return True
+        return not _is_anyhow(one, last) and size_alone(one, split) > MATTERS_OF_NOISE
     parts = _TENTHS if turns_the_joint(one.cause) else 1
     return size_in_noise(last, one.fit, split, parts) > LEAST_OF_NOISE
 
@@ -106,6 +109,21 @@ def size_in_noise(before: Fit, after: Fit, split: Split, parts: int = 1) -> floa
     """How much less is left in the channel that a cause mends most, over that channel's noise: rms over the recording,
     or over that one of so many equal parts of it in which it is largest."""
     return max(_mended(before, after, name, split, parts) for name in before.residuals)
+
+
+def size_alone(one: Candidate, split: Split) -> float:
+    """How much of what is foretold is a form's own, over the noise: the deviation of what it changes, all else as it
+    is, in the channel in which it changes most. What was found before may have taken over most of that, as a dead time
+    does of an accelerometer's lag, so that little is left to mend. Arrivals are not asked."""
+    fit, space = one.fit, one.fit.world.space
+    own = (*one.free, *((one.begins,) if one.begins is not None else ()))
+    idle = space.with_values(fit.vector, {name: space[name].start for name in own})
+    without = fit.world.predict(idle)
+    return max(
+        float(np.nanstd(fit.predicted.channels[name] - without.channels[name])) / noise_of(fit, name, split)
+        for name in fit.residuals
+        if name != "arrival"
+    )
 
 
 def _mended(before: Fit, after: Fit, name: str, split: Split, parts: int) -> float:

@@ -13,6 +13,7 @@ from stillarm.diagnosis.decision.explain import _moves_are_told, explain
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import make_data
+from stillarm.diagnosis.fitting.rest import anything_but_spikes_matters
 from stillarm.diagnosis.forms.catalogue import forms
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.world import World
@@ -66,6 +67,19 @@ def test_what_explains_little_does_not_keep_another_cause_from_being_sought(
     values = {"accelerometer.gravity_m_s2_per_rad": 5.0, "arm.cubic_per_m2": 10.0}
     found = _explained(values, "gravity_leakage", "cubic_stiffness", "tracking_drift")
     assert [one.cause for one in found.findings] == ["cubic_stiffness", "gravity_leakage"]
+
+
+@pytest.mark.slow
+def test_what_a_sensor_does_is_found_though_nothing_that_matters_is_left() -> None:
+    """A dead time takes over most of an accelerometer's lag, of which the joint shows nothing."""
+    late_s = 0.0007
+    found = _explained(
+        {"drive.dead_time_s": 0.01, "accelerometer.delay_s": late_s}, "drive_dead_time", "accelerometer_lag"
+    )
+    first = found.stages[0].taken
+    assert first is not None and not anything_but_spikes_matters(first.fit, interleaved(SECONDS))
+    assert [one.cause for one in found.findings] == ["drive_dead_time", "accelerometer_lag"]
+    assert found.final.value("accelerometer.delay_s") == pytest.approx(late_s, rel=0.2)
 
 
 @pytest.mark.slow

@@ -49,21 +49,25 @@ def test_the_best_form_that_convinces_stands_for_its_cause(
 
 
 @pytest.mark.parametrize(
-    ("merit", "enough", "compared"),
+    ("merit", "left", "enough", "compared"),
     [
-        (100.0, True, ["camera_clock_skew", "tracking_drift"]),
-        (900.0, True, []),
-        (100.0, False, ["camera_clock_skew", "tracking_drift", "mains_hum"]),
+        (100.0, True, True, ["camera_clock_skew", "tracking_drift"]),
+        (900.0, True, True, []),
+        (100.0, True, False, ["camera_clock_skew", "tracking_drift", "mains_hum"]),
+        (900.0, False, True, ["camera_clock_skew", "tracking_drift", "mains_hum"]),
     ],
 )
 def test_what_the_first_dwarfed_is_held_against_others_of_its_sensor(
-    merit: float, enough: bool, compared: list[str], monkeypatch: pytest.MonkeyPatch
+    merit: float, left: bool, enough: bool, compared: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Stale frames that explain the rest beside a mode of 1000 nats: a clock that gained less was never fitted to its
-    end."""
-    monkeypatch.setattr(rounds, "anything_but_spikes_matters", lambda *_: not enough)
+    end. Where the mode left nothing that matters, they explain no rest. left: beside the mode, that matters."""
+    last = cast(Fit, SimpleNamespace())
+    monkeypatch.setattr(
+        rounds, "anything_but_spikes_matters", lambda one, _: left if one is last else not enough
+    )
     mode = candidate("second_bending_mode", "", 1000.0)
-    found = Found(LAST, LAST, [mode], [Stage([], [mode], mode)])
+    found = Found(LAST, last, [mode], [Stage([], [mode], mode)])
     allowed = [
         cast(Form, SimpleNamespace(id=cause))
         for cause in ("camera_clock_skew", "tracking_drift", "mains_hum")

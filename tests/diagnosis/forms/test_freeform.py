@@ -14,6 +14,7 @@ PEAKS = (7.0, 24.0)
 ALL = groups(PEAKS)
 ONLY = {
     "reading": {"acceleration"},
+    "reading_curves": {"acceleration"},
     "turning": {"acceleration"},
     "image": {"displacement"},
     "scale": {"displacement"},
@@ -42,7 +43,7 @@ def named(name: str) -> Group:
 
 
 def test_each_group_has_a_name_of_its_own() -> None:
-    assert len({one.name for one in ALL}) == len(ALL) == 14 + 2 * len(PEAKS)
+    assert len({one.name for one in ALL}) == len(ALL) == 15 + 2 * len(PEAKS)
     assert len({one.words for one in ALL}) == len(ALL)
 
 

@@ -81,6 +81,21 @@ def test_a_small_force_at_a_modes_own_frequency_is_not_told(
     assert is_too_little(one, before, SPLIT) is (times != 1.5 and not told)
 
 
+@pytest.mark.parametrize(
+    ("leaks_m_s2_per_rad", "merit", "beside", "told"),
+    [(5.0, 50.0, True, True), (5.0, 1.0, True, False), (0.1, 50.0, True, False), (5.0, 50.0, False, False)],
+)
+def test_what_another_finding_took_over_is_told_by_its_own_size(
+    leaks_m_s2_per_rad: float, merit: float, beside: bool, told: bool
+) -> None:
+    """A course of the bias follows an axis that leans: what is left to mend is little, whatever the leaning is."""
+    gain = "accelerometer.gravity_m_s2_per_rad"
+    leaning = fitted(measured(6.0, 1, {gain: leaks_m_s2_per_rad}), gain)
+    one = Candidate("gravity_leakage", leaning, 0.0, 0.0, {}, free=(gain,), merit=merit, nats=FOUND)
+    last = with_rest(leaning, "acceleration", 0.1 * NOISE["acceleration"])
+    assert convinces(one, last, SPLIT, beside) is told
+
+
 @pytest.mark.parametrize(("held_out", "told"), [(FORETOLD_NATS, True), (0.0, False)])
 def test_what_foretells_nothing_where_it_was_not_fitted_is_not_told(
     plain: Fit, held_out: float, told: bool
