@@ -1,6 +1,7 @@
 """The best terms of free form on top of a fit: what a name is held against."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 from stillarm.diagnosis.data.split import Split
@@ -12,6 +13,7 @@ from stillarm.diagnosis.fitting.gains import free_names
 from stillarm.diagnosis.fitting.peaks import residual_peaks
 from stillarm.diagnosis.fitting.rest import rest_of
 from stillarm.diagnosis.forms.freeform import Free, Group, groups
+from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.begun import Ground, ground_of
@@ -21,7 +23,7 @@ from stillarm.diagnosis.search.whitened import Whitened
 _STEPS = 4  # of a fit of free terms: they are linear
 _FITTED = 8  # groups of free terms, by a score test: of linear terms it is off by what the baseline's own slopes change
 _SETTLED = 2  # groups that are fitted over their own state: one for each of two processors
-_ANEW = 4  # times, at most
+_ONCE_MORE = 3  # times after the first, at most
 _PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
 
 
@@ -64,16 +66,25 @@ def beside_the_others(
 
 
 def _of_its_own_state(ground: Ground, best: Free) -> Free:
-    """Free terms over the state that the arm has beside them, until that gains no more: that of a fit which had to make
-    up for what they tell is a wrong one, and a name that they are held against was fitted to its end."""
-    for _ in range(_ANEW):
-        without = _state_of(best, ground)
-        world = best.group.world(without)
-        anew = _with_free(ground, best.group, world, without) if world is not None else best
-        if anew.merit < best.merit + CONVINCING_NATS:
-            return max(best, anew, key=lambda one: one.merit)
-        best = anew
+    """Free terms over the state that the arm has beside them, until that gains no more, as far as the time goes: that
+    of a fit which had to make up for what they tell is a wrong one, and a name that they are held against was fitted to
+    its end. Raises OutOfTime where it does not suffice for once."""
+    best = _over_its_state(ground, best)
+    with suppress(OutOfTime):
+        for _ in range(_ONCE_MORE):
+            anew = _over_its_state(ground, best)
+            if anew.merit < best.merit + CONVINCING_NATS:
+                return anew
+            best = anew
     return best
+
+
+def _over_its_state(ground: Ground, free: Free) -> Free:
+    """Free terms once more, over the state that the arm has beside them; the same where that is worth less."""
+    without = _state_of(free, ground)
+    world = free.group.world(without)
+    anew = _with_free(ground, free.group, world, without) if world is not None else free
+    return max(free, anew, key=lambda one: one.merit)
 
 
 def _state_of(free: Free, ground: Ground) -> Fit:

@@ -12,6 +12,7 @@ from stillarm.diagnosis.fitting.channel_noise import noise_of
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.forms.force_terms import own_frequencies_hz
+from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.search.candidates import Candidate, turns_the_joint
 
 Array = NDArray[np.float64]
@@ -113,12 +114,16 @@ def size_in_noise(before: Fit, after: Fit, split: Split, parts: int = 1) -> floa
 
 def size_alone(one: Candidate, split: Split) -> float:
     """How much of what is foretold is a form's own, over the noise: the deviation of what it changes, all else as it
-    is, in the channel in which it changes most. What was found before may have taken over most of that, as a dead time
-    does of an accelerometer's lag, so that little is left to mend. Arrivals are not asked."""
+    is, in the channel in which it changes most; 0 where no time is left to work it out. What was found before may have
+    taken over most of that, as a dead time does of an accelerometer's lag, so that little is left to mend. Arrivals are
+    not asked."""
     fit, space = one.fit, one.fit.world.space
     own = (*one.free, *((one.begins,) if one.begins is not None else ()))
     idle = space.with_values(fit.vector, {name: space[name].start for name in own})
-    without = fit.world.predict(idle)
+    try:
+        without = fit.world.predict(idle)
+    except OutOfTime:
+        return 0.0
     return max(
         float(np.nanstd(fit.predicted.channels[name] - without.channels[name])) / noise_of(fit, name, split)
         for name in fit.residuals

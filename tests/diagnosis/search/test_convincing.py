@@ -8,6 +8,7 @@ import pytest
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
 from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.space import Added
 from stillarm.diagnosis.search.candidates import Candidate
 from stillarm.diagnosis.search.convincing import (
@@ -94,6 +95,16 @@ def test_what_another_finding_took_over_is_told_by_its_own_size(
     one = Candidate("gravity_leakage", leaning, 0.0, 0.0, {}, free=(gain,), merit=merit, nats=FOUND)
     last = with_rest(leaning, "acceleration", 0.1 * NOISE["acceleration"])
     assert convinces(one, last, SPLIT, beside) is told
+
+
+def test_what_no_time_is_left_to_size_does_not_convince(plain: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
+    def late(*_: object) -> None:
+        raise OutOfTime
+
+    gain = "accelerometer.gravity_m_s2_per_rad"
+    one = Candidate("gravity_leakage", plain, 0.0, 0.0, {}, free=(gain,), merit=50.0, nats=FOUND)
+    monkeypatch.setattr(plain.world, "predict", late)
+    assert not convinces(one, plain, SPLIT, beside=True)
 
 
 @pytest.mark.parametrize(("held_out", "told"), [(FORETOLD_NATS, True), (0.0, False)])
