@@ -193,8 +193,8 @@ def _to_compare(
 ) -> Sequence[Form]:
     """The forms that are compared anew beside the second best of a round: all, where each of those leaves something
     that matters, or nothing was left that does. None otherwise, but for those of the same sensor as one that the
-    round's first dwarfed: what gains far
-    less than that is not fitted to its end, so that a rival as good may not have been seen."""
+    round's first dwarfed: what gains far less than that is not fitted to its end, so that a rival as good may not have
+    been seen."""
     enough = [one for one in carried if not anything_but_spikes_matters(one.fit, split)]
     if not enough or not anything_but_spikes_matters(found.final, split):
         return allowed
@@ -262,8 +262,8 @@ def _telling_enough(stage: Stage, found: Found, split: Split) -> None:
     """Beside what was found, take the best that tells enough of its channels, if any does: what does not is a part of
     something without a name, which is told as left, and hides nothing that goes wrong elsewhere."""
     little: list[Candidate] = []
-    now = stage
-    while now.taken is not None and share_explained(now.taken, found.final, split, beside=True) < EXPLAINED:
+    now, beside = stage, bool(found.taken)
+    while now.taken is not None and share_explained(now.taken, found.final, split, beside=beside) < EXPLAINED:
         little.append(now.taken)
         others = [one for one in now.candidates if one is not now.taken]
         now = _taken_of(Stage(stage.screening, others, None), found, split)

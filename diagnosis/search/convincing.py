@@ -44,8 +44,8 @@ _NEAR_A_MODE = 0.1
 def convinces(one: Candidate, last: Fit, split: Split, beside: bool) -> bool:
     """Whether a candidate is more than chance and more than a model's usual discrepancy, and within its bounds.
     beside: a finding there is already: what does not matter beside it is told as left, unless that took over what
-    matters by itself. Nor is a form that may set in
-    at any instant named where it does not matter: with a model that is a little off, one of many does."""
+    matters by itself. Nor is a form that may set in at any instant named where it does not matter: with a model that is
+    a little off, one of many does."""
     if one.merit < CONVINCING_NATS or not _within_bounds(one):
         return False
     if one.law is not None:
@@ -124,10 +124,13 @@ def size_alone(one: Candidate, split: Split) -> float:
         without = fit.world.predict(idle)
     except OutOfTime:
         return 0.0
-    return max(
-        float(np.nanstd(fit.predicted.channels[name] - without.channels[name])) / noise_of(fit, name, split)
+    changed = {
+        name: fit.predicted.channels[name] - without.channels[name]
         for name in fit.residuals
         if name != "arrival"
+    }
+    return max(
+        (float(np.nanstd(each)) / noise_of(fit, name, split) for name, each in changed.items()), default=0.0
     )
 
 
