@@ -26,7 +26,7 @@ from stillarm.diagnosis.fitting.rest import (
     rest_of,
     times_what_matters,
 )
-from stillarm.diagnosis.forms.freeform import Free
+from stillarm.diagnosis.forms.freeform import Free, Group
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.search.candidates import (
     EXPLAINED,
@@ -100,7 +100,7 @@ def judge(found: Found, split: Split) -> Judged:
                 beside = best_free(found.final, split, own)
             # whatever a perfect model would gain: where nothing matters, it is not told how much that is
             if first is not None and first.law is None:
-                alone = _alone(found, first, own, beside, split)
+                alone = _alone(found, first, own, (beside.group,) if beside else (), split)
     except OutOfTime:
         left_out.append("structure without a name")
     beside_what_followed(found, split)
@@ -118,12 +118,12 @@ def judge(found: Found, split: Split) -> Judged:
 
 
 def _alone(
-    found: Found, first: Candidate, own: Sequence[str], beside: Free | None, split: Split
+    found: Found, first: Candidate, own: Sequence[str], others: Sequence[Group], split: Split
 ) -> Free | None:
     """The best free terms in the place of the first finding: by themselves on the fit that it was taken on, or where
     these lead and more was found, beside that. Where they tell as much as all findings together, they take the place of
     all: a sensor that bends in one way is then told by two causes, each of which bends in another."""
-    best = best_free(fit_before(found, first), split, own, beside)
+    best = best_free(fit_before(found, first), split, own, others)
     further = [one for one in found.findings if one is not first and one.law is None]
     if (
         best is None

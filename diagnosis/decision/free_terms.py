@@ -1,7 +1,6 @@
 """The best terms of free form on top of a fit: what a name is held against."""
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import replace
 
 from stillarm.diagnosis.data.split import Split
@@ -13,7 +12,6 @@ from stillarm.diagnosis.fitting.gains import free_names
 from stillarm.diagnosis.fitting.peaks import residual_peaks
 from stillarm.diagnosis.fitting.rest import rest_of
 from stillarm.diagnosis.forms.freeform import Free, Group, groups
-from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.begun import Ground, ground_of
@@ -22,36 +20,38 @@ from stillarm.diagnosis.search.whitened import Whitened
 
 _STEPS = 4  # of a fit of free terms: they are linear
 _FITTED = 8  # groups of free terms, by a score test: of linear terms it is off by what the baseline's own slopes change
-_SETTLED = 2  # groups that are fitted over their own state: one for each of two processors
-_ONCE_MORE = 3  # times after the first, at most
 _PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
 
 
-def best_free(last: Fit, split: Split, own: Sequence[str] = (), near: Free | None = None) -> Free | None:
+def best_free(last: Fit, split: Split, own: Sequence[str] = (), others: Sequence[Group] = ()) -> Free | None:
     """The group of free terms that adds most to a fit's log score, of those that tell something of a channel in which a
     rest matters, or of one of `own`: what rings in an accelerometer by less than anyone would act on is no rival of a
-    clock that was set. near: the best beside a finding, tried too, from the arm's state there: a mount's resonance
-    shows only where the arm's own vibration is explained, and a fit without it is far from that."""
+    clock that was set. others: tried too, such as a resonance that shows only where the arm's own vibration is
+    explained."""
     peaks: list[float] = []
     for seen in residual_peaks(last).values():
         peaks += [hz for hz in seen[:_PEAKS] if all(abs(hz / one - 1.0) > 0.02 for one in peaks)]
-    kinds = groups(peaks)
+    kinds = (*groups(peaks), *others)
     ground = ground_of(last, split)
     white = Whitened(make_data(last.world, split), last, ground.slopes)
     promises = shared_out(lambda group: _promise(group, white), kinds)
     promising = sorted(zip(promises, range(len(kinds)), strict=True), reverse=True)[:_FITTED]
-    places = [(kinds[place], last) for nats, place in promising if nats > 0.0]
-    if near is not None:
-        places.append((near.group, _state_of(near, ground)))
-    begun = [(group, world, state) for group, state in places if (world := group.world(state)) is not None]
-    found = shared_out(lambda one: _with_free(ground, *one), begun, [part for one in begun for part in one])
+    begun = [
+        (kinds[place], world)
+        for nats, place in promising
+        if nats > 0.0 and (world := kinds[place].world(last)) is not None
+    ]
+    found = shared_out(
+        lambda one: _with_free(ground, *one, last),
+        begun,
+        [one for group, world in begun for one in (group, world)],
+    )
     matters = {*own, *(name for name in last.residuals if not rest_of(last, name, split).immaterial)}
     telling = [one for one in found if any(one.gains[name] > CONVINCING_NATS for name in matters)]
-    leading = sorted((one for one in telling if one.merit > 0.0), key=lambda one: -one.merit)[:_SETTLED]
-    settled = shared_out(
-        lambda one: _of_its_own_state(ground, one), leading, [one.fit.world for one in leading]
-    )
-    return max(settled, key=lambda one: one.merit, default=None)
+    best = max(telling, key=lambda one: one.merit, default=None)
+    if best is None or best.merit <= 0.0:
+        return None
+    return max(best, _of_its_own_state(ground, best), key=lambda one: one.merit)
 
 
 def beside_the_others(
@@ -66,32 +66,12 @@ def beside_the_others(
 
 
 def _of_its_own_state(ground: Ground, best: Free) -> Free:
-    """Free terms over the state that the arm has beside them, until that gains no more, as far as the time goes: that
-    of a fit which had to make up for what they tell is a wrong one, and a name that they are held against was fitted to
-    its end. Raises OutOfTime where it does not suffice for once."""
-    best = _over_its_state(ground, best)
-    with suppress(OutOfTime):
-        for _ in range(_ONCE_MORE):
-            anew = _over_its_state(ground, best)
-            if anew.merit < best.merit + CONVINCING_NATS:
-                return anew
-            best = anew
-    return best
-
-
-def _over_its_state(ground: Ground, free: Free) -> Free:
-    """Free terms once more, over the state that the arm has beside them; the same where that is worth less."""
-    without = _state_of(free, ground)
-    world = free.group.world(without)
-    anew = _with_free(ground, free.group, world, without) if world is not None else free
-    return max(free, anew, key=lambda one: one.merit)
-
-
-def _state_of(free: Free, ground: Ground) -> Fit:
-    """The fit beneath free terms, with the arm's state as it is beside them."""
-    last = ground.last
-    data = make_data(last.world, ground.split)
-    return fit(data, carried_over(free.fit, last.world), (), iterations=0, colour=last.colour)
+    """Free terms once more, over the state that the arm has beside them: that of a fit which had to make up for what
+    they tell is a wrong one."""
+    last, data = ground.last, make_data(ground.last.world, ground.split)
+    without = fit(data, carried_over(best.fit, last.world), (), iterations=0, colour=last.colour)
+    world = best.group.world(without)
+    return best if world is None else _with_free(ground, best.group, world, without)
 
 
 def _promise(group: Group, white: Whitened) -> float:

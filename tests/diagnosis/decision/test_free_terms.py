@@ -39,20 +39,6 @@ def test_free_terms_count_where_a_rest_matters_or_where_the_finding_shows(arm: F
     assert found is not None and found.gains[name] > 12.0
 
 
-@pytest.mark.slow
-def test_what_helps_beside_a_finding_is_tried_alone_from_the_state_that_the_arm_has_there() -> None:
-    """Of a reading that curves the baseline makes an arm that swings less; a fit from there does not come as far."""
-    name, data = "acceleration", measured(20.0, 3)
-    reading = data.acceleration
-    data = replace(data, acceleration=reading - 0.6 * reading**3 / float(np.max(np.abs(reading))) ** 2)
-    base, true = fitted(data), fitted(measured(20.0, 3))
-    curves = next(one for one in groups(()) if one.name == "reading_curves")
-    near = replace(as_free(true, curves), merit=100.0)
-    from_there, from_here = (best_free(base, SPLIT, (name,), each) for each in (near, None))
-    assert from_there is not None and from_there.group.name == "reading_curves"
-    assert from_here is None or from_here.merit < from_there.merit - 12.0
-
-
 def as_free(base: Fit, group: Group) -> Free:
     """A group on top of a baseline, whatever it is worth."""
     world = group.world(base)
