@@ -40,12 +40,10 @@ from stillarm.diagnosis.forms.courses import (
     of_terms,
     path_terms,
     path_values,
-    settling_over,
     shown,
     swing,
     tilt_terms,
     tilt_values,
-    walk_over,
 )
 from stillarm.diagnosis.forms.delay_walk import FORM as DELAY_WALK
 from stillarm.diagnosis.forms.overtones import FORM as OVERTONES
@@ -263,25 +261,13 @@ _FURTHER: tuple[Form, ...] = (
     of_course(
         "accelerometer_bias_drift", "along a course", "rate_m_s3", "acceleration", "bias", lambda fit: 1.0, 3.0
     ),
-    of_course(
-        "accelerometer_bias_drift", "that levels off", "rate_m_s3", "acceleration", "bias settles", lambda fit: 1.0,
-        10.0, settling_over,
-    ),
     BIAS_WALK,
     of_course(
         "accelerometer_sensitivity_drift", "along a course", "rate_per_s", "acceleration", "gain", swing, 1.0
     ),
-    of_course(
-        "accelerometer_sensitivity_drift", "that levels off", "rate_per_s", "acceleration", "gain settles", swing, 1.0,
-        settling_over,
-    ),
     of_course("tracking_drift", "along a course", "rate_px_per_s", "displacement", "drift", image_std, 1.0),
     of_course(
-        "tracking_drift", "that wanders", "rate_px_per_s", "displacement", "walk", image_std, 0.1, walk_over
-    ),
-    of_course(
-        "tracking_drift", "that levels off", "rate_px_per_s", "displacement", "drift settles", image_std, 1.0,
-        settling_over,
+        "tracking_drift", "that wanders", "rate_px_per_s", "displacement", "walk", image_std, 0.1, walk=True
     ),
     IMAGE_WALK,
     of_terms("tracking_drift", "with the path travelled", has("displacement"), "path", path_values, path_terms),

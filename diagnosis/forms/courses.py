@@ -17,8 +17,6 @@ from stillarm.diagnosis.physics.world import World
 Array = NDArray[np.float64]
 
 _COURSE_KNOTS = 16  # of a course over the whole recording: a knot every few seconds
-_SETTLES = (0.03, 0.1, 0.3, 1.0)
-"""Of the recording, time constants of what levels off: half a decade apart, any between is near to two of them."""
 WALK_S = 0.4
 """Between the knots of a course that wanders, s."""
 _TILT_PX_PER_RAD, _TILT_STD = 100.0, 10.0  # unit of a turn of the image; up to thousands of px a radian
@@ -26,32 +24,17 @@ _STRAYED_STD = 10.0  # of what tracking has strayed by the end, in the image's o
 
 
 def _course(
-    channel: str,
-    group: str,
-    scale: Callable[[Fit], Array | float],
-    std: float,
-    over: Callable[[Fit, str], Array],
+    channel: str, group: str, scale: Callable[[Fit], Array | float], std: float, walk: bool
 ) -> Callable[[Fit], tuple[Added, ...]]:
     """A course over time of what is added to a channel, in units of `scale`."""
 
     def added(fit: Fit) -> tuple[Added, ...]:
-        columns, unit = over(fit, channel), scale(fit)
+        columns = walk_over(fit, channel) if walk else _knots_over(fit, channel, _COURSE_KNOTS)
+        unit = scale(fit)
         columns = columns * (unit[:, None] if isinstance(unit, np.ndarray) else unit)
-        return (Added(group, {channel: columns}, std, over_time=over is not settling_over),)
+        return (Added(group, {channel: columns}, std, over_time=True),)
 
     return added
-
-
-def course_over(fit: Fit, channel: str) -> Array:
-    """Any course over a channel's samples: hats at knots over the whole recording, (samples, knots)."""
-    return _knots_over(fit, channel, _COURSE_KNOTS)
-
-
-def settling_over(fit: Fit, channel: str) -> Array:
-    """What levels off, as a sensor does that warms up: 1 - exp(-t / T), (samples, T). Few enough to foretell a course
-    rather than to follow it."""
-    time, lasts_s = fit.world.times_of(channel), fit.world.measured.duration_s
-    return np.stack([1.0 - np.exp(-time / (share * lasts_s)) for share in _SETTLES], axis=1)
 
 
 def _knots_over(fit: Fit, channel: str, count: int) -> Array:
@@ -72,17 +55,16 @@ def of_course(
     group: str,
     scale: Callable[[Fit], Array | float],
     std: float,
-    over: Callable[[Fit, str], Array] = course_over,
+    walk: bool = False,
 ) -> Form:
-    """A cause that takes a course of its own over time (`_course`); its rate is the course's mean one. over: the
-    course's columns."""
+    """A cause that takes a course of its own over time (`_course`); its rate is the course's mean one."""
 
     def parameters(fit: Fit) -> Values:
         rate = rate_of_course(fit, channel, group_of(fit, group), scale(fit))
         return _on_top(fit, identifier, parameter, rate)
 
     return of_terms(
-        identifier, name, has(channel), group, parameters, _course(channel, group, scale, std, over)
+        identifier, name, has(channel), group, parameters, _course(channel, group, scale, std, walk)
     )
 
 

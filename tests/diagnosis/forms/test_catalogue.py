@@ -14,7 +14,7 @@ from stillarm.diagnosis.fitting.peaks import residual_peaks
 from stillarm.diagnosis.forms.catalogue import BEGINS, forms, from_an_onset
 from stillarm.diagnosis.forms.cause import Context, Form
 from stillarm.diagnosis.forms.causes import CAUSES
-from stillarm.diagnosis.forms.courses import path_terms, swing
+from stillarm.diagnosis.forms.courses import path_terms
 from stillarm.diagnosis.physics.declared_effects import quantity_of
 from stillarm.diagnosis.physics.quantities import MOST_DOWN, MOST_UP
 from stillarm.diagnosis.physics.world import World
@@ -33,8 +33,7 @@ ALL = [
 ]
 NO_RATE = ("lens_distortion", "camera_tilt_coupling", "periodic_disturbance")
 RATES = [one for one in ALL if one.added is not None and one.id not in NO_RATE]
-SETTLING = [one for one in RATES if one.name == "that levels off"]
-COURSES = [one for one in RATES if one.name != "with the path travelled" and one not in SETTLING]
+COURSES = [one for one in RATES if one.name != "with the path travelled"]
 
 
 def titled(one: Form) -> str:
@@ -143,30 +142,6 @@ def test_what_begins_at_the_end_has_done_nothing(one: Form, plain: Fit) -> None:
     for name, mask in early.items():
         assert never[name] == pytest.approx(before[name], abs=1e-9, nan_ok=True), name
         assert half[name][mask] == pytest.approx(before[name][mask], abs=1e-9, nan_ok=True), name
-
-
-@pytest.mark.parametrize("share", [0.03, 0.08, 0.17, 0.25, 0.5, 0.9])
-@pytest.mark.parametrize("one", SETTLING, ids=titled)
-def test_what_levels_off_is_told_by_four_numbers(one: Form, share: float, plain: Fit) -> None:
-    """With whatever time constant, a share of the recording, to a fiftieth, beside the baseline's constant. It is no
-    course over time: what lies between samples is foretold."""
-    (group,) = one.added(plain)  # type: ignore[misc]
-    (channel,) = group.columns
-    columns = group.columns[channel]
-    unit = swing(plain)[:, None] if one.id == "accelerometer_sensitivity_drift" else 1.0
-    time_s, lasts_s = plain.world.times_of(channel), plain.world.measured.duration_s
-    settles = (1.0 - np.exp(-time_s / (share * lasts_s)))[:, None] * unit
-    told = np.concatenate([columns, np.ones((len(time_s), 1)) * unit], axis=1)
-    amounts = np.linalg.lstsq(told, settles[:, 0], rcond=None)[0]
-    left = settles[:, 0] - told @ amounts
-    assert len(group.amounts) == 4 and not group.over_time
-    assert np.std(left) < 0.02 * np.std(settles)
-    values = dict(zip(group.amounts, amounts[:-1].tolist(), strict=True))
-    found = fit_of(one, plain)
-    ((rate, _),) = one.cause.parameters_of(
-        replace(found, vector=found.world.space.with_values(found.vector, values))
-    ).values()
-    assert rate > 0.0
 
 
 @pytest.mark.parametrize("one", COURSES, ids=titled)
