@@ -39,7 +39,7 @@ from stillarm.diagnosis.search.candidates import (
     turns_the_joint,
 )
 from stillarm.diagnosis.search.carried import hinted, second_best
-from stillarm.diagnosis.search.comparison import LEFT_OUT, compared
+from stillarm.diagnosis.search.comparison import IN_REACH, LEFT_OUT, compared
 from stillarm.diagnosis.search.convincing import convinces, is_too_little
 from stillarm.diagnosis.search.refits import QUICK
 from stillarm.diagnosis.search.stated_baseline import dated_by_another_swing
@@ -50,7 +50,6 @@ MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a
 _WHOLE = 3  # causes of the drive that are fitted to all channels
 _OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
 _SENSORS = (("camera", "timing"), ("accelerometer",))  # places whose causes show in the same channels
-_DWARFED = 0.5  # of the merit of what a round took: what gains less was not in its reach (comparison.py)
 _OF_JOINT = ("start.", "drive.")  # quantities that the joint alone shows
 
 
@@ -200,7 +199,7 @@ def _to_compare(
         return allowed
     best, taken = max(enough, key=lambda one: one.merit), found.stages[-1].taken
     side = next((places for places in _SENSORS if DECLARED[best.cause].place in places), ())
-    if taken is None or best.merit > _DWARFED * taken.merit:
+    if taken is None or best.merit > IN_REACH * taken.merit:
         return []
     return [one for one in allowed if DECLARED[one.id].place in side]
 

@@ -271,31 +271,36 @@ def _bent_image(fit: Fit) -> dict[str, Array]:
     return {"displacement": pieces_over(shown - np.median(shown))}
 
 
-def _scale_over_time(fit: Fit) -> dict[str, Array]:
+def _swing_in_image(fit: Fit) -> Array | None:
+    """What the image shows of the tip's path, px; None where there is none. A change of its scale is a share of it."""
     shown = fit.predicted.channels.get("displacement")
-    if shown is None:
+    return None if shown is None else shown - fit.value("camera.offset_px")
+
+
+def _scale_over_time(fit: Fit) -> dict[str, Array]:
+    swing = _swing_in_image(fit)
+    if swing is None:
         return {}
     frames = fit.world.measured.frames
     course = hats(frames.received_s, np.linspace(0.0, fit.world.measured.duration_s, _PIECES))
-    return {"displacement": course * _unit(shown - fit.value("camera.offset_px"))[:, None]}
+    return {"displacement": course * _unit(swing)[:, None]}
 
 
 def _scale_that_bends(fit: Fit) -> dict[str, Array]:
     """A straight line and a bend: what sets in and grows is near to that, and two numbers foretell more than seven
     where the arm swings now and then."""
-    shown = fit.predicted.channels.get("displacement")
-    if shown is None:
+    swing = _swing_in_image(fit)
+    if swing is None:
         return {}
     at = 2.0 * fit.world.measured.frames.received_s / fit.world.measured.duration_s - 1.0
     course = np.stack([at, 1.5 * at**2 - 0.5], axis=1)  # Legendre's
-    return {"displacement": course * (shown - fit.value("camera.offset_px"))[:, None]}
+    return {"displacement": course * swing[:, None]}
 
 
 def _scale_that_wanders(fit: Fit) -> dict[str, Array]:
-    shown = fit.predicted.channels.get("displacement")
-    if shown is None:
+    swing = _swing_in_image(fit)
+    if swing is None:
         return {}
-    swing = shown - fit.value("camera.offset_px")
     return {"displacement": walk_over(fit, "displacement") * swing[:, None]}
 
 

@@ -50,7 +50,7 @@ _WORTH_A_FIT = 0.1
 _QUICK_SHARE, _ENDED_SHARE, _ONSET_SHARE = 0.5, 0.6, 0.5
 """Of the time that is left, what the quick fits may take, those to the end of what these leave, and so on: the best of
 few forms says more than quick fits of all, and the most promising go first."""
-_IN_REACH = 0.5  # of the leading form's merit, where that leaves nothing that matters
+IN_REACH = 0.5  # of the leading form's merit, where that leaves nothing that matters
 _WORTH_A_SEARCH = 0.03  # the same of a form whose threshold is not yet searched along
 
 
@@ -109,7 +109,7 @@ def compared(
 def _says_which_are_near(hint: Hint, here: Candidate, split: Split) -> bool:
     """Whether a hint's round says of this one which forms may be the best: it leaves nothing that matters here either,
     or it gains as much here, beside no more than the impacts that it bears out."""
-    as_much = here.merit > _IN_REACH * hint.taken.merit
+    as_much = here.merit > IN_REACH * hint.taken.merit
     return (hint.struck and as_much) or not anything_but_spikes_matters(here.fit, split)
 
 
@@ -118,7 +118,7 @@ def _near_there(ground: Ground, hint: Hint, tried: Sequence[Form]) -> tuple[Sequ
     gained far less there is not fitted anew."""
     if set(hint.baseline.residuals) != set(ground.last.residuals):  # of the joint alone, which costs little
         return tried, []
-    near = {one.cause for one in hint.stage.candidates if one.merit > _IN_REACH * hint.taken.merit}
+    near = {one.cause for one in hint.stage.candidates if one.merit > IN_REACH * hint.taken.merit}
     far = [one for one in hint.stage.candidates if one.cause not in near and one.law is None]
     there = score(hint.baseline, ground.split)
     return [one for one in tried if one.id in near], beside_another(far, there, ground.score)
@@ -157,7 +157,7 @@ def _in_reach(pairs: list[Pair], candidates: Sequence[Candidate], split: Split) 
     if best is None or anything_but_spikes_matters(best.fit, split):
         return pairs
     merit = {id(one.fit): one.merit for one in candidates}
-    return [pair for pair in pairs if merit[id(pair[1])] > _IN_REACH * best.merit]
+    return [pair for pair in pairs if merit[id(pair[1])] > IN_REACH * best.merit]
 
 
 def _leading(fits: list[Pair], candidates: Sequence[Candidate]) -> list[Pair]:

@@ -157,12 +157,12 @@ def _lasting(before: Fit, after: Fit, seen_s: float) -> float:
     if len(otherwise) < 2:
         return 0.0
     lasting_s = _OF_LASTING * float(np.std(otherwise))
-    beyond = strays_beyond_stated(otherwise, before)
+    beyond = _strays_beyond_stated(otherwise, before)
     drifts = not (beyond or _steps(otherwise) or _adds_terms(after, before))
     return min(seen_s, lasting_s) if drifts else lasting_s
 
 
-def strays_beyond_stated(arrivals_s: Array, last: Fit) -> bool:
+def _strays_beyond_stated(arrivals_s: Array, last: Fit) -> bool:
     """Whether arrivals scatter further than the model states of the delay; not where it states nothing. arrivals_s:
     off what a fit foretells, NaN where unknown."""
     stated_s = last.world.model.timing.capture_delay_std_s

@@ -13,7 +13,7 @@ from stillarm.diagnosis.search.onsets import sized
 from stillarm.diagnosis.search.screen import Scored, screen
 from stillarm.diagnosis.search.whitened import Whitened
 
-SCREENED_NATS = 8.0
+_SCREENED_NATS = 8.0
 """Below this promise of a score test no fit is begun."""
 
 _STARTS, _MOST_STARTS = 2, 8  # by their scores; with those that the data ask for
@@ -42,10 +42,10 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
         form = later[id(one.cause)]
         if one.begins_s is not None and form is not None:
             enough = len({each.id for each, _ in to_size} | {form.id}) > _LATER
-            if one.nats > max(SCREENED_NATS, _PROMISING_LATER * top) and not enough:
+            if one.nats > max(_SCREENED_NATS, _PROMISING_LATER * top) and not enough:
                 to_size.append((form, one))
             continue
-        least = max(SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
+        least = max(_SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
         if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
             continue
         # from where they begin each step works out all derivatives anew: of those, what is half as good is not tried
@@ -81,4 +81,4 @@ def _terms_of(last: Fit, tried: Sequence[Form]) -> list[tuple[Form, tuple[Added,
 
 def _share_of(top: float, one: Scored) -> float:
     """What a trial promises, over the most that any does."""
-    return one.nats / max(top, SCREENED_NATS)
+    return one.nats / max(top, _SCREENED_NATS)
