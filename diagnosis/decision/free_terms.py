@@ -33,9 +33,7 @@ def best_free(last: Fit, split: Split, own: Sequence[str] = (), others: Sequence
         peaks += [hz for hz in seen[:_PEAKS] if all(abs(hz / one - 1.0) > 0.02 for one in peaks)]
     kinds = (*groups(peaks), *others)
     ground = ground_of(last, split)
-    white = Whitened(make_data(last.world, split), last, ground.slopes)
-    promises = shared_out(lambda group: _promise(group, white), kinds)
-    promising = sorted(zip(promises, range(len(kinds)), strict=True), reverse=True)[:_FITTED]
+    promising = sorted(zip(_promises(ground, kinds), range(len(kinds)), strict=True), reverse=True)[:_FITTED]
     begun = [
         (kinds[place], world)
         for nats, place in promising
@@ -74,10 +72,16 @@ def _of_its_own_state(ground: Ground, best: Free) -> Free:
     return best if world is None else _with_free(ground, best.group, world, without)
 
 
-def _promise(group: Group, white: Whitened) -> float:
-    """Nats that a score test foretells of a group; none of one that is not seen."""
-    added = group.added(white.last)
-    return white.promise(added.columns) if added is not None else 0.0
+def _promises(ground: Ground, kinds: Sequence[Group]) -> list[float]:
+    """Nats that a score test foretells of each group; none of one that is not seen."""
+    last = ground.last
+    white = Whitened(make_data(last.world, ground.split), last, ground.slopes)
+
+    def promise(group: Group) -> float:
+        added = group.added(last)
+        return white.promise(added.columns) if added is not None else 0.0
+
+    return shared_out(promise, kinds)
 
 
 def _with_free(ground: Ground, group: Group, world: World, begun: Fit) -> Free:

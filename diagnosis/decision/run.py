@@ -16,6 +16,7 @@ from stillarm.diagnosis.events.pulls import without_pushes
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.physics.computing import OutOfTime
+from stillarm.diagnosis.physics.memory import give_back
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.baseline import (
     HURRIED_STEPS,
@@ -77,6 +78,7 @@ def run(
     except OutOfTime:
         found = Found(baseline, baseline, left_out=[LEFT_OUT])
     tick(0.92, "what is left")
+    give_back()
     with budget.limit(_JUDGED_SHARE):
         judged = judge(found, split)
     left_out += [*dict.fromkeys(found.left_out), *judged.left_out]

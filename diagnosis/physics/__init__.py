@@ -13,6 +13,7 @@ __all__ = [
     "declared_effects",
     "linear_modes",
     "measured_joint",
+    "memory",
     "quantities",
     "space",
     "window_fits",

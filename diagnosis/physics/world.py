@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 from math import isfinite, sqrt
+from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +23,11 @@ from stillarm.diagnosis.physics.accelerometer import Accelerometer, without_stri
 from stillarm.diagnosis.physics.arm_motion import ANSWERS, JOINTS, ArmMotion, Motion
 from stillarm.diagnosis.physics.camera import Camera
 from stillarm.diagnosis.physics.channel_quantities import own_places
-from stillarm.diagnosis.physics.computing import Lately
+from stillarm.diagnosis.physics.computing import Lately, limited
 from stillarm.diagnosis.physics.declared_effects import is_behind_encoder
 from stillarm.diagnosis.physics.jump_answers import JumpAnswers
 from stillarm.diagnosis.physics.measured_joint import answer_to_path, noise_at_tip, tip_moved, within_reach
+from stillarm.diagnosis.physics.memory import remembers
 from stillarm.diagnosis.physics.quantities import QUARTZ, SKEW, Layout
 from stillarm.diagnosis.physics.space import Added, Quantity
 
@@ -38,15 +40,29 @@ _UNSEEN = 0.1  # of an image's noise: n x^2 / 2 = 10 nats in two thousand images
 _ABOUT_EXPOSED_S = 0.02  # by which an image's instant is uncertain
 
 
-@dataclass(frozen=True)
+@dataclass
 class Predicted:
     """What each channel should show, by name, and displacement's rate at the frames, px/s (for doubt of instants).
-    vector: that it follows from."""
+    vector: that it follows from, in that world."""
 
     channels: dict[str, Array]
     rate_px_s: Array
-    motion: Motion
     vector: Array
+    world: "World"
+    moved: Motion | None = None
+    """The arm's motion, as long as it is remembered."""
+
+    @property
+    def motion(self) -> Motion:
+        """The arm's motion; worked out anew where it was forgotten, whatever time is left."""
+        if self.moved is None:
+            with limited(None, monotonic):
+                self.moved = self.world.move(self.vector)
+        return self.moved
+
+    def forget(self) -> None:
+        """Give the motion's memory back: five times that of the channels."""
+        self.moved = None
 
 
 class World:
@@ -251,6 +267,7 @@ class World:
     def predict(self, vector: Array, near: Predicted | None = None) -> Predicted:
         """All channels that were measured. near: of this world; its motion, and its channels, are taken where the
         vector says the same of them."""
+        remembers(self)
         motion = self._arm.moved_from(near.motion, vector) if near is not None else self._arm.move(vector)
         found: dict[str, Array] = {}
         rate = np.empty(0) if near is None else near.rate_px_s
@@ -264,7 +281,7 @@ class World:
             else:
                 shown = self._shown(name, motion, vector)
             found[name] = self._with_terms(name, shown, vector)
-        return Predicted(found, rate, motion, vector.copy())
+        return Predicted(found, rate, vector.copy(), self, motion)
 
     def _shown(self, name: str, motion: Motion, vector: Array) -> Array:
         """What a channel should show, images aside, without terms that are added to it."""

@@ -19,6 +19,7 @@ from stillarm.diagnosis.forms.catalogue import from_an_onset
 from stillarm.diagnosis.forms.cause import Form
 from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
 from stillarm.diagnosis.physics.copies import shared_out
+from stillarm.diagnosis.physics.memory import give_back
 from stillarm.diagnosis.search.begun import Begun, Ground, Pair, ground_of
 from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, beside_another
 from stillarm.diagnosis.search.carried import hinted
@@ -70,6 +71,7 @@ def compared(
     tried = allowed
     candidates: list[Candidate] = []
     screening: list[Scored] = []
+    give_back()
     try:
         ground = ground_of(last, split)
         if found.hint is not None:
@@ -92,6 +94,7 @@ def compared(
 
         with limited_to(_QUICK_SHARE):
             quick = _quick_fits(ground, begun, found, known)
+        give_back()
         ended = judged(partial(to_the_end, ground), best_of_each(quick), _ENDED_SHARE)
         near = _in_reach(ended, candidates, split)
         later = judged(partial(with_onset, ground, white), _worth_an_onset(candidates, near), _ONSET_SHARE)
@@ -102,6 +105,7 @@ def compared(
         found.left_out.append(LEFT_OUT)
     for one in candidates:
         one.fit.world.forget()
+        one.fit.predicted.forget()
     by_merit = sorted(candidates, key=lambda one: -one.merit)
     return screening, walks_judged(by_merit, last, allowed, split)
 
@@ -126,8 +130,7 @@ def _near_there(ground: Ground, hint: Hint, tried: Sequence[Form]) -> tuple[Sequ
 
 def _known(begun: Sequence[Begun], last: Fit) -> list[object]:
     """What a fit of a form shares with the fit so far and with other forms."""
-    shown = last.predicted
-    return [last, last.world, shown.motion, shown.rate_px_s, *begun, *(one.world for one in begun)]
+    return [last, last.world, last.predicted, last.predicted.rate_px_s, *begun, *(one.world for one in begun)]
 
 
 def _each(
@@ -140,9 +143,12 @@ def _each(
 
     def tried(item: _Item) -> tuple[_Key, Fit | None] | None:
         try:
-            return work(item)
+            key, fitted = work(item)
         except OutOfTime:
             return None
+        if fitted is not None:
+            fitted.predicted.forget()
+        return key, fitted
 
     done = shared_out(tried, items, known)
     if any(one is None for one in done) and LEFT_OUT not in found.left_out:

@@ -17,6 +17,7 @@ from stillarm.diagnosis.physics.world import Predicted, World
 Array = NDArray[np.float64]
 
 _SEEN = 1e-6  # length of a direction, in units of the noise of one sample, that changes anything
+_AT_ONCE = 16  # directions that the baseline's share is taken out of: each step holds as much once more
 _ROUNDED = 1e-9  # of a direction's square: less is left by the baseline, and rounding has a part in it
 
 
@@ -135,8 +136,10 @@ class Whitened:
         for name, span in self.spans.items():
             if begins_s is not None:
                 d[span][self.times_s[name] < begins_s] = 0.0
-        for _ in range(2):  # again where rounding may exceed what the first time leaves
-            d -= self.basis @ (self.basis.T @ d)
+        for first in range(0, d.shape[1], _AT_ONCE):
+            some = d[:, first : first + _AT_ONCE]
+            for _ in range(2):  # again where rounding may exceed what the first time leaves
+                some -= self.basis @ (self.basis.T @ some)
         own, residual = np.empty_like(products.own), np.empty_like(products.residual)
         for channel, span in enumerate(self.spans.values()):
             own[channel], residual[channel] = d[span].T @ d[span], self.residual[span] @ d[span]

@@ -9,6 +9,7 @@ from stillarm.diagnosis.data.noise import log_likelihood
 from stillarm.diagnosis.data.split import Split, interleaved
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import make_data
+from stillarm.diagnosis.physics.computing import limited
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, fitted, measured
 
@@ -84,3 +85,16 @@ def test_no_level_of_the_noise_makes_a_fit_likelier() -> None:
         levels = found.sigma[name] * np.geomspace(0.9, 5.0, 120)
         best += max(float(np.sum(log_likelihood(trained / one, one))) for one in levels)
     assert found.train_log_likelihood == pytest.approx(best, abs=2.0)
+
+
+def test_a_motion_that_was_forgotten_is_worked_out_anew_whatever_time_is_left() -> None:
+    found = fitted(measured(6.0, 2, TRUE))
+    known = found.predicted.motion
+    found.predicted.forget()
+    assert found.predicted.moved is None
+    with limited(0.0, lambda: 1.0):
+        again = found.predicted.motion
+    assert again is not known and again is found.predicted.motion
+    for one in ("joint", "q", "tip", "tip_acceleration"):
+        # a sum of the baseline's motion and of what impacts add rounds otherwise
+        assert getattr(again, one) == pytest.approx(getattr(known, one), rel=1e-9, abs=1e-12)

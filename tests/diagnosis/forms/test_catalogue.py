@@ -245,7 +245,7 @@ def test_a_camera_that_turns_with_the_joint_alone_is_fitted_with_its_size() -> N
 def test_the_path_that_tracking_strays_with_begins_where_the_tip_is(plain: Fit) -> None:
     motion = plain.predicted.motion
     elsewhere = replace(
-        plain, predicted=replace(plain.predicted, motion=replace(motion, tip=motion.tip + 5.0))
+        plain, predicted=replace(plain.predicted, moved=replace(motion, tip=motion.tip + 5.0))
     )
     (here,), (there,) = path_terms(plain), path_terms(elsewhere)
     assert there.columns["displacement"] == pytest.approx(here.columns["displacement"], abs=1e-9)

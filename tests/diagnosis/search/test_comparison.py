@@ -118,7 +118,8 @@ def test_of_several_starts_afar_the_best_two_go_on_from_where_they_are(
     def quickly(ground: object, one: Begun, steps: int = FROM_AFAR) -> tuple[comparison._Promise, Fit]:
         at = float(one.start[0])
         fitted_from.append((at, steps))
-        end = cast(Fit, SimpleNamespace(vector=np.array([at - 0.5])))
+        shown = SimpleNamespace(forget=lambda: None)
+        end = cast(Fit, SimpleNamespace(vector=np.array([at - 0.5]), predicted=shown))
         return comparison._Promise(one, -at, 0.0), end
 
     monkeypatch.setattr(comparison, "_quickly", quickly)
@@ -132,3 +133,19 @@ def test_of_several_starts_afar_the_best_two_go_on_from_where_they_are(
     whole = [(at, FROM_AFAR) for at in (5.0, 6.0, 7.0, 0.5, 1.5)]
     assert fitted_from == [*looks, *whole]
     assert [one.begun.form for one, _ in quick[7:]] == [payload, payload]
+
+
+def test_a_fit_comes_back_without_its_motion(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A hundred of a minute would take a gigabyte."""
+    forgot: list[int] = []
+    monkeypatch.setattr(
+        comparison, "shared_out", lambda work, items, known=(): [work(item) for item in items]
+    )
+
+    def work(item: int) -> tuple[int, Fit | None]:
+        shown = SimpleNamespace(forget=lambda: forgot.append(item))
+        return item, cast(Fit, SimpleNamespace(predicted=shown)) if item else None
+
+    found = Found(cast(Fit, None), cast(Fit, None))
+    assert [key for key, _ in comparison._each(work, [0, 1, 2], found, [])] == [1, 2]
+    assert forgot == [1, 2]
