@@ -1,13 +1,18 @@
 """The baseline with the stated modes, where the fitted one has left them."""
 
-import pytest
+from dataclasses import replace
 
+import numpy as np
+import pytest
+from msgspec.structs import replace as changed
+
+from stillarm.common.files.model import Mode
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import explain
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.search.stated_baseline import stated_baseline
-from tests.fixtures.synthetic import fitted, measured
+from tests.fixtures.synthetic import MODEL, fitted, measured
 
 SECONDS = 10.0
 SPLIT = interleaved(SECONDS)
@@ -77,3 +82,22 @@ def test_friction_is_found_beside_the_stated_modes(rubbing: Fit) -> None:
     found = explain(rubbing, SPLIT, only=("coulomb_damping", "quadratic_damping", "drive_lag"))
     assert [one.cause for one in found.findings] == ["coulomb_damping"]
     assert found.final.value("arm.coulomb_m_s2") == pytest.approx(1.0, rel=0.05)
+
+
+@pytest.mark.slow
+def test_a_hum_is_found_that_an_undamped_mode_had_taken_over() -> None:
+    """Beside that mode as stated, and no other: the first one's frequency is fitted."""
+    modes = [Mode(frequency_hz=2.5), Mode(frequency_hz=49.97, damping_ratio=0.003, participation=-0.1)]
+    two = changed(MODEL, arm=changed(MODEL.arm, modes=modes))
+    plain = measured(SECONDS, 5, {HZ: 2.52}, model=two)
+    hum = 8.0 * np.sin(2.0 * np.pi * 50.02 * 0.001 * np.arange(plain.cycles))
+    with_hum = replace(plain, acceleration=plain.acceleration + hum)
+    baseline = fitted(with_hum, model=two)
+    assert baseline.value("modes.1.frequency_hz") == pytest.approx(50.02, abs=0.01)
+    stated = stated_baseline(baseline, SPLIT)
+    assert stated is not None and HZ in stated.free
+    assert stated.value("modes.1.frequency_hz") == 49.97
+    found = explain(baseline, SPLIT, only=("mains_hum", "drive_lag"))
+    assert [one.cause for one in found.findings] == ["mains_hum"]
+    assert found.findings[0].values["amplitude_m_s2"][0] == pytest.approx(8.0, rel=0.1)  # half a beat
+    assert found.final.value("modes.1.damping_ratio") > 0.001
