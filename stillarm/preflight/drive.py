@@ -1,9 +1,11 @@
-"""Checks the drive: its presence, reports and identity. Nothing is armed, and only zero is commanded."""
+"""Checks the drive: its presence, reports, identity and torque. Nothing is armed, and only zero is commanded."""
 
 from math import isnan
 
 from stillarm.common.files.configuration import DriveDevice
+from stillarm.common.files.driven_joint import commanded_joint
 from stillarm.common.files.model import Model
+from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.drive import DriveProbe
 from stillarm.preflight.verdict import Verdict, fail, ok, warn
 
@@ -39,3 +41,35 @@ def judge_drive(probe: DriveProbe, config: DriveDevice, model: Model) -> list[Ve
     for note in probe.notes:
         verdicts.append((fail if any(word in note for word in fatal) else warn)("drive", note))
     return verdicts
+
+
+def judge_torque(model: Model, name: str) -> list[Verdict]:
+    """Whether the input that a drive may have turns the joint as fast as the model says; nothing of a joint that
+    follows velocities. `name` stands for the model's file."""
+    try:
+        joint = commanded_joint(model, name)
+    except UserError as error:
+        return [fail("drive", str(error))]
+    if joint is None:
+        return []
+    if joint.limit is None:
+        absent = (
+            f"{name}: drive.input_limit: absent, and the velocity loop needs it; give the largest input that the drive "
+            "may have for as long as it asks for it"
+        )
+        return [fail("drive", absent)]
+    drive = model.drive
+    inertia = joint.hub_inertia_kg_m2 + sum(joint.carried_kg_m2)
+    rubs = joint.damping_n_m_s * drive.max_velocity_rad_s + joint.coulomb_n_m
+    largest = abs(joint.torque_per_input) * joint.limit
+    asked, fastest = inertia * drive.max_acceleration_rad_s2 + rubs, (largest - rubs) / inertia
+    gives = f"drive.input_limit = {joint.limit:g} gives {largest:.3g} N m"
+    if fastest <= 0.0:
+        takes = f"friction at {drive.max_velocity_rad_s:g} rad/s alone takes {rubs:.3g} N m"
+        remedy = "raise it as far as the drive allows, or lower drive.max_velocity_rad_s"
+        return [fail("drive", f"{gives}, and {takes}: {remedy}")]
+    if largest < asked:
+        takes = f"{drive.max_acceleration_rad_s2:g} rad/s^2 at {drive.max_velocity_rad_s:g} rad/s needs {asked:.3g}"
+        remedy = f"raise it as far as the drive allows, or drive.max_acceleration_rad_s2 = {fastest:.2g}"
+        return [warn("drive", f"{gives}, and {takes}: {remedy}")]
+    return [ok("drive", f"{gives} of {asked:.3g} that the model's accelerations need")]

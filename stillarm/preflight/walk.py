@@ -17,7 +17,7 @@ from stillarm.drivers.buses.i2c import MEMORY_PREFIX
 from stillarm.drivers.drives.drive_factory import probe_drive
 from stillarm.extras import missing_package
 from stillarm.preflight.camera import CameraFacts, judge_camera, watch_camera
-from stillarm.preflight.drive import judge_drive
+from stillarm.preflight.drive import judge_drive, judge_torque
 from stillarm.preflight.link import (
     LinkFacts,
     ask_itself,
@@ -77,6 +77,7 @@ def walk(path: Path) -> Iterator[Verdict]:
         yield judge_link(facts, link)
     elif refused is not None:
         yield refused
+    yield from judge_torque(model, str(model_path(configuration, path)))
     if not controls or configuration.drive.driver == "none":
         yield ok("drive", "none here")
     elif key is None:
