@@ -52,3 +52,8 @@ def test_a_narrow_play_is_seen_by_a_fine_encoder_as_the_simulation_has_it() -> N
 )
 def test_no_play_is_none(hidden: dict[str, float]) -> None:
     assert CAUSE.trials(Context(fitted(measured(10.0, 3, hidden)), {})) == []
+
+
+def test_means_are_of_what_is_known() -> None:
+    values = np.array([1.0, np.nan, 3.0, np.nan, np.nan, np.nan, np.nan, np.nan, 5.0, 5.0, 7.0, 7.0, 9.0])
+    assert coasting._means(values, 4) == pytest.approx([2.0, np.nan, 6.0], nan_ok=True)
