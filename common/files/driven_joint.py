@@ -30,6 +30,20 @@ class DrivenJoint:
     limit: float | None
     carried_kg_m2: tuple[float, ...]
 
+    @property
+    def inertia_kg_m2(self) -> float:
+        """J, of the joint with its arm rigid."""
+        return self.hub_inertia_kg_m2 + sum(self.carried_kg_m2)
+
+    def most_n_m(self, name: str) -> float:
+        """The largest torque that a command gives. Raises UserError without a limit; `name` stands for the file."""
+        if self.limit is None:
+            raise UserError(
+                f"{name}: drive.input_limit: needed where the velocity loop commands the joint, and absent; give the "
+                "largest input that the drive may have for as long as it asks for it"
+            )
+        return abs(self.torque_per_input) * self.limit
+
 
 def driven_joint(model: Model, name: str) -> DrivenJoint | None:
     """The model's joint; None for one that follows a velocity. `name` stands for the file in messages.

@@ -21,7 +21,6 @@ from math import expm1, isfinite, nan, pi
 
 from stillarm.common.files.driven_joint import commanded_joint
 from stillarm.common.files.model import Model
-from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.drive import JointState
 
 OLDEST_STATE_S = 0.02
@@ -44,23 +43,18 @@ class VelocityLoop:
         joint = commanded_joint(model, name)
         if joint is None:
             raise ValueError("a joint that follows velocities needs no loop")
-        if joint.limit is None:
-            raise UserError(
-                f"{name}: drive.input_limit: needed where the velocity loop commands the joint, and absent; give the "
-                "largest input that the drive may have for as long as it asks for it"
-            )
+        self._limit_n_m = joint.most_n_m(name)
         drive, cycle_s = model.drive, model.timing.cycle_s
         self._joint = joint
         self._cycle_s = cycle_s
         decay = 2.0 * pi * drive.bandwidth_hz
         self._share, self._most = -expm1(-decay * cycle_s), drive.max_acceleration_rad_s2
         self._fastest = drive.max_velocity_rad_s
-        self._inertia = joint.hub_inertia_kg_m2 + sum(joint.carried_kg_m2)
+        self._inertia = joint.inertia_kg_m2
         delay_s = drive.dead_time_s + joint.lag_s
         crossover = min(decay, _DELAY_RAD / (delay_s + 1.5 * cycle_s))
         self._gain = joint.hub_inertia_kg_m2 * crossover
         self._integral_gain = self._gain * _INTEGRAL_SHARE * crossover
-        self._limit_n_m = abs(joint.torque_per_input) * joint.limit
         self._late_cycles = 1 + round(delay_s / cycle_s)
         self._under_way: deque[float] = deque(maxlen=self._late_cycles)
         self.tripped = False

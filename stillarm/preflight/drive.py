@@ -48,22 +48,15 @@ def judge_torque(model: Model, name: str) -> list[Verdict]:
     follows velocities. `name` stands for the model's file."""
     try:
         joint = commanded_joint(model, name)
+        if joint is None:
+            return []
+        largest = joint.most_n_m(name)
     except UserError as error:
         return [fail("drive", str(error))]
-    if joint is None:
-        return []
-    if joint.limit is None:
-        absent = (
-            f"{name}: drive.input_limit: absent, and the velocity loop needs it; give the largest input that the drive "
-            "may have for as long as it asks for it"
-        )
-        return [fail("drive", absent)]
-    drive = model.drive
-    inertia = joint.hub_inertia_kg_m2 + sum(joint.carried_kg_m2)
+    drive, inertia = model.drive, joint.inertia_kg_m2
     rubs = joint.damping_n_m_s * drive.max_velocity_rad_s + joint.coulomb_n_m
-    largest = abs(joint.torque_per_input) * joint.limit
     asked, fastest = inertia * drive.max_acceleration_rad_s2 + rubs, (largest - rubs) / inertia
-    gives = f"drive.input_limit = {joint.limit:g} gives {largest:.3g} N m"
+    gives = f"drive.input_limit = {drive.input_limit:g} gives {largest:.3g} N m"
     if fastest <= 0.0:
         takes = f"friction at {drive.max_velocity_rad_s:g} rad/s alone takes {rubs:.3g} N m"
         remedy = "raise it as far as the drive allows, or lower drive.max_velocity_rad_s"

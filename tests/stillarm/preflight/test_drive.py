@@ -12,9 +12,8 @@ from stillarm.preflight.drive import judge_torque
 from stillarm.preflight.verdict import Level
 
 CONFIGS = Path(__file__).parents[3] / "configs"
-TORQUE = load_model(
-    CONFIGS / "model_torque.toml"
-)  # 8 kg m^2, at 5 rad/s^2; 2 N m s at 0.6 rad/s, and 0.3 N m
+TORQUE = load_model(CONFIGS / "model_torque.toml")
+"""8 kg m^2, at 5 rad/s^2; 2 N m s at 0.6 rad/s, and 0.3 N m."""
 
 
 @pytest.mark.parametrize(
@@ -28,7 +27,11 @@ TORQUE = load_model(
             "needs 41.5: raise it as far as the drive allows, or drive.max_acceleration_rad_s2 = 2.5",
         ),
         (1.4, Level.FAIL, "friction at 0.6 rad/s alone takes 1.5 N m"),
-        (msgspec.UNSET, Level.FAIL, "rig.toml: drive.input_limit: absent"),
+        (
+            msgspec.UNSET,
+            Level.FAIL,
+            "rig.toml: drive.input_limit: needed where the velocity loop commands the joint, and absent",
+        ),
     ],
 )
 def test_the_largest_input_gives_the_torque_that_the_model_needs(
